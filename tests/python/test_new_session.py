@@ -145,8 +145,8 @@ def refused(home, capsys, *more, videos=("videos",)) -> str:
     return said
 
 
-def shown(session: d.Session, camera: int, frame: int) -> np.ndarray:
-    image = d.FrameSource.open(session).image(camera, frame).astype(int)
+def shown(frames: d.FrameSource, camera: int, frame: int) -> np.ndarray:
+    image = frames.image(camera, frame).astype(int)
     return image[..., 2] > image[..., 1]
 
 
@@ -194,7 +194,7 @@ def test_copies_are_copies_and_names_are_taken(home):
     session = d.Session(home / "new")
     assert session.name == "jump" and session.frame_count == 20 and len(session.rig) == 3
     assert session.scan.name == "scan.ply" and session.markers.name == "joints.json"
-    assert overlap(shown(session, 1, 0), silhouette(session.rig[1], 0.5)) > 0.9
+    assert overlap(shown(d.FrameSource.open(session), 1, 0), silhouette(session.rig[1], 0.5)) > 0.9
     call(home, "--sync", "none", "--copy", "--force")
     assert not (home / "new" / "videos" / "cam0.mp4").samefile(home / "videos" / "cam0.mp4")
     assert not (home / "new" / "scan.ply").exists()
@@ -213,9 +213,9 @@ def shifted(home, world, rates=(FPS,) * CAMERAS):
 
 def frames_late(session, camera: int) -> int:
     """By how many frames what a camera shows comes after the common time, which begins with the last camera."""
-    fits = dict.fromkeys(range(-2, 3), 0.0)
+    frames, fits = d.FrameSource.open(session), dict.fromkeys(range(-2, 3), 0.0)
     for frame in range(4, session.frame_count - 4, 5):
-        seen = shown(session, camera, frame)
+        seen = shown(frames, camera, frame)
         for late in fits:
             fits[late] += overlap(seen, silhouette(session.rig[camera], max(OFFSETS) + (frame - late) / session.fps))
     return max(fits, key=fits.get)
@@ -356,7 +356,7 @@ def test_what_lay_on_its_side_is_upright(home, world):
     session = d.Session(home / "new")
     assert (home / "new" / "videos" / "cam1.mp4").samefile(home / "videos" / "cam1.mp4")
     assert read_video(home / "new" / "videos" / "cam0.mp4").rotation == 0
-    assert overlap(shown(session, 0, 5), silhouette(tall[0], 5 / FPS)) > 0.9
+    assert overlap(shown(d.FrameSource.open(session), 0, 5), silhouette(tall[0], 5 / FPS)) > 0.9
 
 
 def test_a_calibration_of_larger_images_is_scaled(home, world, capsys):
@@ -384,7 +384,7 @@ def test_a_series_of_images_is_a_video(home, world):
     call(home, "--sync", "none", "--fps", 30, "--start", 0.1, videos=["frames"])
     session = d.Session(home / "new")
     assert session.frame_count == 9
-    np.testing.assert_array_equal(shown(session, 2, 0), world.masks[2][3])
+    np.testing.assert_array_equal(shown(d.FrameSource.open(session), 2, 0), world.masks[2][3])
 
 
 # --- masks and clean plates
