@@ -52,6 +52,7 @@ function(doublet_tests name)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(test_${name} PRIVATE DOUBLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   doublet_warnings(test_${name})
+  set_target_properties(test_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 14) # in unity builds: two of a length for capture, one for others
   # A test is compiled more often than it runs: two thirds of the time of -O3. What it shares with the libraries is inlined, too.
   target_compile_options(test_${name} PRIVATE
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-O1;-finline-small-functions;-findirect-inlining>)

@@ -116,7 +116,7 @@ def test_keypoints_of_another_video_name_the_camera(filmed, tmp_path, capsys):
     shutil.copytree(filmed / "keypoints", tmp_path / "keypoints")
     wrong = tmp_path / "keypoints" / "cam4.json"
     wrong.write_text(json.dumps(json.loads(wrong.read_text())[64:] + json.loads(wrong.read_text())[:64]))
-    call(filmed, tmp_path / "new", "--calibrate", tmp_path / "keypoints", status=1)
+    call(filmed, tmp_path / "new", "--calibrate", tmp_path / "keypoints", "--frames", 64, status=1)
     assert "camera 'cam4'" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
 

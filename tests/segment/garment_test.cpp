@@ -17,14 +17,9 @@
 
 using namespace doublet;
 using skirt_person::Person;
+using skirt_person::small_garment;
 
 namespace {
-
-GarmentOptions small_garment() {
-  GarmentOptions options;
-  options.vertices = 400;
-  return options;
-}
 
 Garment garment_of(const Person &person, const GarmentOptions &options = small_garment(), const MeshSequence &captured = {}) {
   return mesh_garment(person.actor, person.segmentation, {}, captured, options);

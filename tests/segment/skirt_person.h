@@ -3,6 +3,7 @@
 // the hem that is not there in truth. Of known measures.
 
 #include "doublet/core/stage_values.h"
+#include "doublet/segment/garment_mesher.h"
 #include "support/figure.h"
 
 #include <cmath>
@@ -114,5 +115,11 @@ struct Person {
     segmentation.region_count = std::max(segmentation.region_count, region + 1);
   }
 };
+
+inline doublet::GarmentOptions small_garment() {
+  doublet::GarmentOptions options;
+  options.vertices = 400;
+  return options;
+}
 
 } // namespace skirt_person

@@ -13,6 +13,7 @@
 
 using namespace doublet;
 using skirt_person::Person;
+using skirt_person::small_garment;
 
 namespace {
 
@@ -24,12 +25,6 @@ Vertices points_at(const std::vector<double> &distances) {
   for (std::size_t i = 0; i < distances.size(); ++i)
     points.row(static_cast<Eigen::Index>(i)) << (kRadius + distances[i]) * std::cos(i), (kRadius + distances[i]) * std::sin(i), 0;
   return points;
-}
-
-GarmentOptions small_garment() {
-  GarmentOptions options;
-  options.vertices = 400;
-  return options;
 }
 
 /// The skirt with this slack (m), by its height (m).
