@@ -12,8 +12,6 @@ LONGEST = (
     "test_refined_cameras",
     "test_edit_segmentation",
     "test_view",
-    "test_arguments",
-    "test_capture_parts",
 )
 
 
