@@ -98,7 +98,7 @@ PersonCalibrationOptions options() {
 }
 
 TEST(PersonCalibration, ExactKeypointsGiveTheCamerasBack) {
-  const Take take = film(doublet::testing::camera_ring(6, kSize), false);
+  const Take take = film(doublet::testing::camera_ring(4, kSize), false);
   const PersonCalibration found = calibrate_from_person(take.views, options());
   EXPECT_LT(image_error(take, found), 0.5);
   for (size_t v = 0; v < take.rig.size(); ++v) {
@@ -110,7 +110,7 @@ TEST(PersonCalibration, ExactKeypointsGiveTheCamerasBack) {
 }
 
 TEST(PersonCalibration, TheWorldIsUprightAndMetric) {
-  const Take take = film(doublet::testing::camera_ring(6, kSize), true);
+  const Take take = film(doublet::testing::camera_ring(4, kSize), true);
   PersonCalibrationOptions tall;
   const Mesh figure = doublet::testing::figure_surface();
   tall.height = figure.vertices.col(1).maxCoeff() - figure.vertices.col(1).minCoeff(); // its skull is round its bones
@@ -169,14 +169,14 @@ TEST(SlowPersonCalibration, ACameraThatIsNotLevelDoesNotTiltTheWorld) {
 }
 
 TEST(PersonCalibration, LevelCamerasTellUpWhereSheLeans) {
-  const Take take = film(doublet::testing::camera_ring(6, kSize), true, 0, 0, 0.2);
+  const Take take = film(doublet::testing::camera_ring(4, kSize), true, 0, 0, 0.2);
   const PersonCalibration found = calibrate_from_person(take.views, options());
   for (size_t v = 0; v < take.rig.size(); ++v)
     EXPECT_NEAR(found.rig[v].R(1, 1), take.rig[v].R(1, 1), 0.01) << v;
 }
 
 TEST(PersonCalibration, AnswersAreTheSameBitsOnAnyNumberOfThreads) {
-  const Take take = film(doublet::testing::camera_ring(4, kSize), true, 2.0);
+  const Take take = film(doublet::testing::camera_ring(3, kSize), true, 2.0);
   Context one, three;
   one.threads = 1;
   three.threads = 3;
