@@ -40,7 +40,7 @@ needs=$!
 
 echo "== build (warnings are errors)"
 # One build folder for the package and for ctest. Without isolation its paths stay the same from run to run. Below 1 GB g++ clears
-# no memory up: its work is a tenth less, two sources at a time need up to 5 GB.
+# no memory up: its work is about 8 % less, and two sources at a time need up to 5 GB.
 make_wheel() {
   rm -rf build/wheel
   CC=cc CXX=c++ "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w build/wheel . \
