@@ -255,6 +255,23 @@ void PersonBundle::triangulate_joints() {
     }
 }
 
+double PersonBundle::cost(double height) const {
+  return Adjustment(*this, height).cost(*this);
+}
+
+Eigen::VectorXd PersonBundle::cost_gradient(double height) const {
+  std::vector<MomentEquations> equations;
+  Eigen::MatrixXd common;
+  Eigen::VectorXd gradient;
+  Adjustment(*this, height).linearize(*this, equations, common, gradient);
+  const auto of_joints = static_cast<Eigen::Index>(equations.size()) * kJointUnknowns;
+  Eigen::VectorXd all(of_joints + gradient.size());
+  for (std::size_t m = 0; m < equations.size(); ++m)
+    all.segment<kJointUnknowns>(static_cast<Eigen::Index>(m) * kJointUnknowns) = equations[m].joint_gradient;
+  all.tail(gradient.size()) = gradient;
+  return 2 * all; // the equations are those of half the cost
+}
+
 double PersonBundle::adjust(int iterations, double height) {
   const Adjustment adjustment(*this, height);
   std::vector<MomentEquations> equations;

@@ -64,6 +64,11 @@ struct PersonBundle {
   /// Levenberg-Marquardt steps until the cost falls by less than a thousandth; returns the cost. Keypoints that no found joint
   /// explains cost as much as one can.
   double adjust(int iterations, double height);
+  /// What adjust() lowers.
+  double cost(double height) const;
+  /// Of the cost by the joints of each moment (3 kKeypoints each), the cameras (7 each: CameraStep without distortion),
+  /// log_lengths and log_focal.
+  Eigen::VectorXd cost_gradient(double height) const;
 };
 
 /// In expected errors; infinite behind the camera.
