@@ -10,6 +10,7 @@
 #include "doublet/core/parts/self_intersection.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -27,7 +28,8 @@ constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
 // A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
 constexpr double kFewCrossing = 0.005;              // a share of the cloth's faces that may stay
-// In motion a few edges are looked at now and then: cloth that is all in a knot, twice in a row, does not come loose by itself.
+// In motion a few edges and the bones are looked at now and then: cloth that is all in a knot, or that a bone is through, twice
+// in a row, does not come loose by itself.
 constexpr double kWatchEvery = 0.5, kAllKnotted = 0.15; // s, share of the edges
 constexpr std::size_t kWatched = 64;                    // edges of a region
 // A proxy through the cloth is as bad as that: where the body passes through itself one may be through any cloth.
@@ -73,6 +75,11 @@ void require_vector(const Eigen::Vector3d &value, double most, const char *what,
                                 options::to_text(value.z()) + ")");
 }
 
+/// Does the segment pass through any of the surfaces?
+bool through_any(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const std::vector<Mesh> &surfaces) {
+  return std::any_of(surfaces.begin(), surfaces.end(), [&](const Mesh &surface) { return crosses_surface(p, q, surface); });
+}
+
 } // namespace
 
 /// What all copies of a player have in common.
@@ -84,6 +91,7 @@ struct Player::Shared {
   bool lifts_garment = false;
   std::optional<SkinBinding> body;
   std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
+  std::vector<int> bones; ///< joints whose bone, from the parent, does not pass through the cloth in the scan pose
 
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
       : character(std::move(c)), options(o), simulator(checked(character).actor, character.segmentation, character.proxies,
@@ -100,6 +108,20 @@ struct Player::Shared {
       for (std::size_t i = 0; i < kWatched; ++i)
         watched.back().push_back(edges[i * edges.size() / kWatched]);
     }
+    const Skeleton &skeleton = character.actor.skeleton;
+    const std::vector<Mesh> scan = cloth_at(character.actor.mesh.vertices);
+    for (int j = 0; j < skeleton.joint_count(); ++j)
+      if (const int parent = skeleton.joints[j].parent;
+          parent >= 0 && !through_any(skeleton.joints[parent].rest, skeleton.joints[j].rest, scan))
+        bones.push_back(j);
+  }
+
+  /// [region] at these positions (V, 3) m of M.
+  std::vector<Mesh> cloth_at(const Vertices &surface) const {
+    std::vector<Mesh> cloth;
+    for (const ClothRegion &region : simulator.regions())
+      cloth.push_back({surface(region.vertex_from_cloth, Eigen::all), region.model->faces()});
+    return cloth;
   }
 };
 
@@ -168,30 +190,44 @@ struct Player::Playing {
     if (shared.options.redrape_when_tangled && !looked && held_seconds >= kCaughtAfter)
       redrape_when_tangled(shared);
     if (shared.options.redrape_when_tangled)
-      watch_for_knots(shared, seconds);
+      watch(shared, seconds);
   }
-  void watch_for_knots(const Shared &shared, double seconds) {
+  /// Caught in motion, the cloth is put on anew, or that is tried after one second, two, four, ...
+  void watch(const Shared &shared, double seconds) {
     watched_seconds += seconds;
     if (watched_seconds < kWatchEvery)
       return;
     watched_seconds = 0;
-    const bool was = std::exchange(knotted, share_of_knots(shared) > kAllKnotted);
-    if (was && knotted)
-      redrape_when_tangled(shared);
+    take_surfaces(shared);
+    const bool is_caught = share_of_knots(shared) > kAllKnotted || bone_through(shared);
+    looks_caught = is_caught ? looks_caught + 1 : 0;
+    if (looks_caught > 1 && std::has_single_bit(looks_caught) && redrape_when_tangled(shared))
+      looks_caught = 0;
   }
-  /// Of the watched edges those that pass through a face. Allocates nothing once warm.
-  double share_of_knots(const Shared &shared) {
-    int count = 0, all = 0;
+  /// Allocates nothing once warm.
+  void take_surfaces(const Shared &shared) {
     surfaces.resize(state.regions.size());
     for (std::size_t r = 0; r < surfaces.size(); ++r) {
-      Mesh &cloth = surfaces[r];
-      cloth.vertices = state.regions[r].positions;
-      if (cloth.faces.rows() == 0)
-        cloth.faces = shared.simulator.regions()[r].model->faces();
-      count += crossing_edges(cloth, shared.watched[r]);
+      surfaces[r].vertices = state.regions[r].positions;
+      if (surfaces[r].faces.rows() == 0)
+        surfaces[r].faces = shared.simulator.regions()[r].model->faces();
+    }
+  }
+  /// Of the watched edges those that pass through a face.
+  double share_of_knots(const Shared &shared) const {
+    int count = 0, all = 0;
+    for (std::size_t r = 0; r < surfaces.size(); ++r) {
+      count += crossing_edges(surfaces[r], shared.watched[r]);
       all += static_cast<int>(shared.watched[r].size());
     }
     return static_cast<double>(count) / std::max(all, 1);
+  }
+  /// An arm that has left its sleeve, a thigh that has come out through the skirt.
+  bool bone_through(const Shared &shared) const {
+    const std::vector<Joint> &joints = shared.character.actor.skeleton.joints;
+    const auto place = [&](int joint) { return posed.world_from_rest[joint] * joints[joint].rest; };
+    return std::any_of(shared.bones.begin(), shared.bones.end(),
+                       [&](int joint) { return through_any(place(joints[joint].parent), place(joint), surfaces); });
   }
   /// Real cloth rubs itself to rest, whatever its drag and damping are; ours would swing on like a pendulum.
   void come_to_rest(const Shared &shared, double seconds) {
@@ -225,20 +261,21 @@ struct Player::Playing {
       cloth.velocities *= kept;
     }
   }
-  /// Once in a pose that is held: cloth that passes through itself, or has a limb through it, is put on anew if that is better.
-  void redrape_when_tangled(const Shared &shared) {
+  /// Cloth that passes through itself, or has a limb through it, is put on anew if that is better. Was it?
+  bool redrape_when_tangled(const Shared &shared) {
     looked = true;
     const double faults = faults_of(shared, state);
     if (faults == 0)
-      return;
+      return false;
     CharacterState anew = drape_along(shared, frame.dofs);
     if (faults_of(shared, anew) >= faults)
-      return;
+      return false;
     std::swap(caught, state);
     state = std::move(anew);
     caught_seconds = kFreed;
     wake();
     looked = true;
+    return true;
   }
   /// The share of the faces that pass through others, unless that is small, and kProxyThrough for each proxy whose axis passes
   /// through the cloth.
@@ -295,7 +332,7 @@ struct Player::Playing {
   void start_over() {
     wake();
     watched_seconds = 0;
-    knotted = false;
+    looks_caught = 0;
     caught_seconds = 0;
   }
   double farthest_joint(const Shared &shared) const { // m, in the step that ends
@@ -339,8 +376,8 @@ struct Player::Playing {
   double held_seconds = 0;    ///< since the pose moved last
   double slow_seconds = 0;    ///< since the cloth is almost still in a held pose
   bool looked = false;        ///< whether the cloth is caught, since the pose or what pulls at the cloth changed last
-  double watched_seconds = 0; ///< since some of the edges were looked at last
-  bool knotted = false;       ///< whether most of the cloth was in knots then
+  double watched_seconds = 0; ///< since the cloth was last looked at in motion
+  unsigned looks_caught = 0;  ///< in how many looks up to that one it was caught
   std::vector<Mesh> surfaces; ///< of each region, for a while
   CharacterState caught;      ///< the cloth that was, and how long it will still be seen
   double caught_seconds = 0;
