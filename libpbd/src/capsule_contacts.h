@@ -152,29 +152,30 @@ inline void add_contact(const LaneModel &m, const ContactOf<T> &found, M lanes, 
 
 /// Vertices that enter a proxy during the step from x to p, or are near one at either end. Everything is seen from the moving
 /// proxy: a leg that jumps a quarter of a metre between frames sweeps the cloth that stood before it along. A vertex that starts
-/// inside is moved out by at most `opening`. ways: room for the boxes of the vertices' ways. x, p: with the spare vertices.
+/// inside is moved out by at most `opening`. give: m, how much nearer than the thickness each may come. ways: the boxes of the
+/// vertices' ways. x, p, give: with the spare vertices.
 template <class T, class Points>
 inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMotion<T>> &capsules, Points &x, Points &p,
-                                  T opening, VertexBoxes<T> &ways, Array<ContactOf<T>> &contacts) {
+                                  T opening, const Array<T> &give, VertexBoxes<T> &ways, Array<ContactOf<T>> &contacts) {
   using S = Side<T>;
   contacts.clear();
-  ways.set(model, x, p);
-  const S thickness(model.thickness), margin(model.thickness + kNear), most(opening);
+  const S margin(model.thickness + kNear), most(opening);
   for (int k = 0; k < capsules.size(); ++k) {
     const CapsuleMotion<S> &m = in_all_lanes<S>(capsules[k]);
     int taken = kRow;
     const auto bring = [&](const int *places, const int *vertices, auto lanes) {
       Vec3<S> xi = points_at<T>(x.data(), vertices), pi = points_at<T>(p.data(), vertices);
       const Distance<S> start = capsule_distance(m.start, xi);
+      const S less = values_at<T>(give.data(), vertices), thickness = S(model.thickness) - less;
       const S depth = thickness - start.value;
       const auto inside = lanes & (depth > S(0)), outside = lanes & (depth <= S(0));
-      ContactOf<T> contact{k, {}, S(0), S(0), m.rotate(start.normal), S(0), S(kMinAgreement), S(0)};
+      ContactOf<T> contact{k, {}, S(0), less, m.rotate(start.normal), S(0), S(kMinAgreement), S(0)};
       lanes = inside;
       if (any(inside)) { // open it gently by moving start and end alike, which gives no speed
         const S moved = lane_min(depth, most);
         xi = select(inside, xi + moved * start.normal, xi);
         pi = select(inside, pi + moved * start.normal, pi);
-        contact.slack = select(inside, depth - moved, S(0));
+        contact.slack = select(inside, less + (depth - moved), less);
         contact.plane = dot(contact.reference, m.carry(xi));
         move_points<T>(x.data(), vertices, xi);
         move_points<T>(p.data(), vertices, pi);

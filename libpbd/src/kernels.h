@@ -186,7 +186,7 @@ inline T entry_time(const CapsuleShape<T> &shape, const Vec3<T> &q0, const Vec3<
 template <class T, int n = 1> struct CapsuleContact {
   int capsule, vertex[n];
   T active;
-  T slack;           ///< m, how much of a penetration at the start of the step may stay (below the thickness)
+  T slack;           ///< m below the thickness that may stay: where it is pinched, and of a penetration at the start of the step
   Vec3<T> reference; ///< unit normal
   T plane;           ///< reference . that place, m
   T min_agreement;   ///< least cosine between closest normal and reference

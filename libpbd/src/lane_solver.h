@@ -2,7 +2,7 @@
 // The step of Stoll et al. 2010, Sect. 6, for as many simulations as T has lanes. One lane (T = float) is the reference; every
 // lane of every width gives its bits.
 
-#include "capsule_contacts.h"
+#include "pinches.h"
 #include "self_collision.h"
 
 namespace doublet::pbd {
@@ -24,6 +24,7 @@ public:
       x_[m_.vertex_count + k] = p_[m_.vertex_count + k] =
           Vec3<T>{T(static_cast<float>(k & 1)), T(static_cast<float>(k >> 1)), T(0)};
     v_.resize(m_.vertex_count);
+    pinches_.clear(m_);
     if (m_.restitution > 0)
       v_free_.resize(m_.vertex_count);
     target_start_.resize(m_.follower_count);
@@ -62,7 +63,10 @@ public:
     damp();
     predict();
     const T opening = T(kDepenetrationSpeed) * s_.h;
-    find_capsule_contacts(m_, capsules_, x_, p_, opening, boxes_, contacts_);
+    boxes_.set(m_, x_, p_);
+    if (m_.edge_collision)
+      pinches_.find(m_, capsules_, x_, boxes_);
+    find_capsule_contacts(m_, capsules_, x_, p_, opening, pinches_.give(), boxes_, contacts_);
     if (m_.edge_collision) // so that the cloth meets itself on the way to where the proxies push it
       project_capsules();
     self_contacts_.clear();
@@ -421,6 +425,7 @@ private:
   Array<SelfContact<T>> self_contacts_;
   Array<EdgeContact<T>> edge_contacts_;
   Knots<T> knots_;
+  Pinches<T> pinches_;
   VertexBoxes<T> boxes_; ///< for a while
   Array<T> watched_;     ///< see push_out_strays
   SelfCollision<T> self_collision_;

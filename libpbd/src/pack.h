@@ -355,6 +355,24 @@ template <class T> inline void move_points(Place<T> *p, const int *v, const Vec3
   else
     scatter<kRow>(p, v, to);
 }
+/// The values at v[0], ... v[kSide - 1], and back.
+template <class T> inline Side<T> values_at(const T *values, const int *v) {
+  if constexpr (kSide<T> == 1)
+    return values[*v];
+  else {
+    float row[kRow];
+    for (int l = 0; l < kRow; ++l)
+      row[l] = values[v[l]];
+    return Row::load(row);
+  }
+}
+template <class T> inline void set_values(T *values, const int *v, const Side<T> &to) {
+  if constexpr (kSide<T> == 1)
+    values[*v] = to;
+  else
+    for (int l = 0; l < kRow; ++l)
+      values[v[l]] = to.lanes[l];
+}
 /// What the l-th of them has.
 template <class T> inline T lane_of(const Side<T> &values, int l) {
   if constexpr (kSide<T> == 1)

@@ -260,7 +260,7 @@ struct TwoBalls {
   Array<CapsuleMotion<float>> balls;
   Array<Point> x, p;
   VertexBoxes<float> boxes;
-  Array<float> watched;
+  Array<float> give, watched;
   Array<ContactOf<float>> contacts;
   explicit TwoBalls(double second_from) {
     model.vertex_count = 1;
@@ -273,13 +273,15 @@ struct TwoBalls {
     for (int i = 0; i < 1 + kSpareVertices; ++i) {
       x.push_back(Vec3f{0.08f, 0, 0});
       p.push_back(Vec3f{0.08f, 0, 0});
+      give.push_back(0);
     }
   }
 };
 
 TEST(Contact, WhatOneProxyMovesIsSeenByTheNext) {
   TwoBalls scene(0.08 + 0.01 + kNear + 0.005); // 5 mm out of reach; the first opens 20 mm
-  find_capsule_contacts(scene.model, scene.balls, scene.x, scene.p, 0.02f, scene.boxes, scene.contacts);
+  scene.boxes.set(scene.model, scene.x, scene.p);
+  find_capsule_contacts(scene.model, scene.balls, scene.x, scene.p, 0.02f, scene.give, scene.boxes, scene.contacts);
   EXPECT_FLOAT_EQ(scene.p[0].x, 0.1f);
   ASSERT_EQ(scene.contacts.size(), 2);
   EXPECT_EQ(scene.contacts[1].capsule, 1);

@@ -5,6 +5,7 @@
 #include "../../libpbd/src/pbd_model.h"
 #include "../../libpbd/src/self_collision.h"
 #include "doublet/pbd/cloth_solver.h"
+#include "knotted.h"
 #include "scenes.h"
 
 #include <Eigen/Geometry>
@@ -19,28 +20,7 @@ namespace doublet::pbd {
 namespace knots_test {
 
 using Eigen::Vector3d;
-
-/// Corners of edges that pass through faces, and of these faces: every edge against every face.
-std::set<int> knotted(const Vertices &x, const Faces &faces) {
-  std::set<std::pair<int, int>> edges;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      edges.insert(std::minmax(faces(f, k), faces(f, (k + 1) % 3)));
-  std::set<int> found;
-  for (const auto &[i, j] : edges)
-    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-      const Vector3d a = x.row(i), b = x.row(j), c = x.row(faces(f, 0)), u = x.row(faces(f, 1)).transpose() - c,
-                     v = x.row(faces(f, 2)).transpose() - c, n = u.cross(v);
-      const double ha = n.dot(a - c), hb = n.dot(b - c);
-      if ((faces.row(f).array() == i).any() || (faces.row(f).array() == j).any() || ha * hb >= 0)
-        continue;
-      const Vector3d p = a + ha / (ha - hb) * (b - a) - c;
-      const double s = n.dot(p.cross(v)) / n.squaredNorm(), t = n.dot(u.cross(p)) / n.squaredNorm();
-      if (s >= 0 && t >= 0 && s + t <= 1)
-        found.insert({i, j, faces(f, 0), faces(f, 1), faces(f, 2)});
-    }
-  return found;
-}
+using scenes::knotted;
 
 /// Two sheets in one, the second `away` (m) from the first.
 scenes::Sheet doubled(const scenes::Sheet &one, const Eigen::RowVector3d &away) {
