@@ -35,6 +35,9 @@ constexpr std::size_t kWatched = 64;                    // edges of a region
 // A proxy through the cloth is as bad as that: where the body passes through itself one may be through any cloth.
 constexpr double kProxyThrough = kAllKnotted;
 
+// Cloth is put on in so many times the substeps of a step: the way there is quick, and an arm may not leave its sleeve on it.
+constexpr int kDrapedCloser = 2;
+
 const Character &checked(const Character &character) {
   validate_character(character);
   return character;
@@ -157,7 +160,9 @@ struct Player::Playing {
     std::vector<PosedFrame> way;
     for (const Eigen::VectorXd &on_the_way : lead_in_poses(shared.character.actor.skeleton, dofs, shared.character.solver.dt))
       pose(shared, on_the_way, way.emplace_back());
-    CharacterState cloth = shared.simulator.drape_along(way, materials, whole_frames(shared));
+    StepEnvironment world = whole_frames(shared);
+    world.substeps = kDrapedCloser * shared.character.solver.cloth.substeps;
+    CharacterState cloth = shared.simulator.drape_along(way, materials, world);
     for (pbd::ClothState &region : cloth.regions)
       region.velocities.setZero();
     return cloth;
