@@ -173,12 +173,11 @@ struct Player::Playing {
     for (std::size_t r = 0; r < before.size(); ++r)
       before[r] = state.regions[r].positions;
     set_shares(cut.seconds / shared.character.solver.dt);
-    if (index + 1 < cut.count) {
-      interpolate_pose(shared.character.actor.skeleton, frame.dofs, dofs, (index + 1.0) / cut.count, between);
-      pose(shared, between, next);
-    } else {
-      pose(shared, dofs, next);
-    }
+    if (index + 1 < cut.count)
+      interpolate_pose(shared.character.actor.skeleton, frame.dofs, dofs, (index + 1.0) / cut.count, ahead);
+    else
+      ahead = dofs;
+    pose(shared, ahead, next);
   }
   /// Friction and damping are shares of a whole frame's.
   void set_shares(double frames) {
@@ -193,7 +192,7 @@ struct Player::Playing {
     carry_caught(shared, seconds);
     std::swap(posed, next);
     if (shared.options.redrape_when_tangled && !looked && held_seconds >= kCaughtAfter)
-      redrape_when_tangled(shared);
+      redrape_when_tangled(shared, seconds);
     if (shared.options.redrape_when_tangled)
       watch(shared, seconds);
   }
@@ -206,7 +205,7 @@ struct Player::Playing {
     take_surfaces(shared);
     const bool is_caught = share_of_knots(shared) > kAllKnotted || bone_through(shared);
     looks_caught = is_caught ? looks_caught + 1 : 0;
-    if (looks_caught > 1 && std::has_single_bit(looks_caught) && redrape_when_tangled(shared))
+    if (looks_caught > 1 && std::has_single_bit(looks_caught) && redrape_when_tangled(shared, seconds))
       looks_caught = 0;
   }
   /// Allocates nothing once warm.
@@ -266,21 +265,30 @@ struct Player::Playing {
       cloth.velocities *= kept;
     }
   }
-  /// Cloth that passes through itself, or has a limb through it, is put on anew if that is better. Was it?
-  bool redrape_when_tangled(const Shared &shared) {
+  /// After a step of so many seconds: cloth that passes through itself, or has a limb through it, is put on anew if that is
+  /// better. Was it?
+  bool redrape_when_tangled(const Shared &shared, double seconds) {
     looked = true;
     const double faults = faults_of(shared, state);
     if (faults == 0)
       return false;
-    CharacterState anew = drape_along(shared, frame.dofs);
+    CharacterState anew = drape_along(shared, ahead);
     if (faults_of(shared, anew) >= faults)
       return false;
     std::swap(caught, state);
     state = std::move(anew);
+    move_as_skin(shared, seconds);
     caught_seconds = kFreed;
     wake();
     looked = true;
     return true;
+  }
+  /// Cloth that stood still would be left behind by a body that moves on. `next` is where the step came from.
+  void move_as_skin(const Shared &shared, double seconds) {
+    for (std::size_t r = 0; r < state.regions.size(); ++r) {
+      const std::vector<int> &vertices = shared.simulator.regions()[r].vertex_from_cloth;
+      state.regions[r].velocities = (posed.skinned(vertices, Eigen::all) - next.skinned(vertices, Eigen::all)) / seconds;
+    }
   }
   /// The share of the faces that pass through others, unless that is small, and kProxyThrough for each proxy whose axis passes
   /// through the cloth.
@@ -387,7 +395,7 @@ struct Player::Playing {
   CharacterState caught;      ///< the cloth that was, and how long it will still be seen
   double caught_seconds = 0;
   std::vector<Vertices> before; ///< of each region, at the start of the step
-  Eigen::VectorXd between;
+  Eigen::VectorXd ahead;        ///< the pose that the step at hand goes to
   StepBuffers buffers;
   DisplayBuffers display;
   Vertices unseen_body; ///< posed, where the frame has none
