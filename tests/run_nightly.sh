@@ -9,7 +9,7 @@
 #   conda       the conda recipe, rendered
 #   wheel       the wheel of scripts/build-wheel.sh, in a clean environment
 #   pythons     a wheel for Python 3.9, and for the newest that is on the PATH, each in an environment of its own
-#   quickstart  the first command of the README, in a clean clone
+#   quickstart  the quickstart of the README, in a clean clone
 #   pictures    every picture of docs/, by its script
 #   stages      `doublet reconstruct`, stopped at every stage in every way
 #   fuzz        libFuzzer, DOUBLET_FUZZ_SECONDS (60) a harness
