@@ -87,7 +87,7 @@ struct Curve {
 /// The loop without what is shorter than `noise` m, in equal steps. Four of them are as long as that, and there are 24 at least:
 /// what has fewer would shrink.
 Curve smoothed_curve(const Curve &loop, double noise) {
-  const int count = std::max(24, static_cast<int>(4 * loop.length / noise));
+  const int count = std::max(24, static_cast<int>(std::min(1e6, 4 * loop.length / noise)));
   Vertices points(count, 3);
   std::vector<std::vector<int>> neighbours;
   for (int i = 0; i < count; ++i) {
@@ -129,7 +129,7 @@ public:
       for (std::size_t i = 0; i < vertices.size(); ++i) {
         const bool alone = ++passes[vertices[i].idx()] == 1;
         surface.property(places, vertices[i]) = {alone ? static_cast<int>(loops_.size()) - 1 : -1,
-                                                 loops_.back().at_share(loop.along[i] / loop.length)};
+                                                 loops_.back().at_share(loop.along[i] / std::max(loop.length, 1e-30))};
       }
     }
   }
