@@ -21,7 +21,7 @@ struct Pipe {
   int read = -1, write = -1;
   Pipe() {
     int ends[2];
-    if (pipe(ends))
+    if (pipe2(ends, O_CLOEXEC)) // at once: another thread may start a program now
       throw Error(std::string("a pipe cannot be opened (") + std::strerror(errno) + ")");
     // Above the three of every program, and above 3: the ends are copied there.
     read = fcntl(ends[0], F_DUPFD_CLOEXEC, 10);
