@@ -1,5 +1,6 @@
 #include "doublet/animate/player.h"
 
+#include "caught_cloth.h"
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/motion.h"
 #include "doublet/animate/parts/body_penetration.h"
@@ -7,7 +8,6 @@
 #include "doublet/animate/parts/skin_penetration.h"
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
-#include "doublet/core/parts/self_intersection.h"
 
 #include <algorithm>
 #include <bit>
@@ -27,14 +27,8 @@ constexpr double kStill = 0.02, kHeldAfter = 0.25, kRestGrows = 1; // m/s, s, s
 constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
 // A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
-constexpr double kFewCrossing = 0.005;              // a share of the cloth's faces that may stay
-// In motion a few edges and the bones are looked at now and then: cloth that is all in a knot, or that a bone is through, twice
-// in a row, does not come loose by itself.
-constexpr double kWatchEvery = 0.5, kAllKnotted = 0.15; // s, share of the edges
-constexpr std::size_t kWatched = 64;                    // edges of a region
-// A proxy through the cloth is as bad as that: where the body passes through itself one may be through any cloth.
-constexpr double kProxyThrough = kAllKnotted;
-
+// In motion it is looked at now and then: cloth that is caught twice in a row does not come loose by itself.
+constexpr double kWatchEvery = 0.5; // s
 // Cloth is put on in so many times the substeps of a step: the way there is quick, and an arm may not leave its sleeve on it.
 constexpr int kDrapedCloser = 2;
 
@@ -78,11 +72,6 @@ void require_vector(const Eigen::Vector3d &value, double most, const char *what,
                                 options::to_text(value.z()) + ")");
 }
 
-/// Does the segment pass through any of the surfaces?
-bool through_any(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const std::vector<Mesh> &surfaces) {
-  return std::any_of(surfaces.begin(), surfaces.end(), [&](const Mesh &surface) { return crosses_surface(p, q, surface); });
-}
-
 } // namespace
 
 /// What all copies of a player have in common.
@@ -93,38 +82,18 @@ struct Player::Shared {
   std::optional<DisplaySurface> display;
   bool lifts_garment = false;
   std::optional<SkinBinding> body;
-  std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
-  std::vector<int> bones; ///< joints whose bone, from the parent, does not pass through the cloth in the scan pose
+  detail::CaughtCloth caught_cloth;
 
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
       : character(std::move(c)), options(o), simulator(checked(character).actor, character.segmentation, character.proxies,
-                                                       cloth_options(character.solver.cloth, o), make_solver) {
+                                                       cloth_options(character.solver.cloth, o), make_solver),
+        caught_cloth(character, simulator) {
     options.validate();
     if (options.high && character.high.faces.rows() > 0)
       display.emplace(character);
     lifts_garment = display && options.resolve_body_penetration && GarmentPenetrationFix::applies_to(character);
     if ((options.body || lifts_garment) && character.body.faces.rows() > 0)
       body.emplace(character.body.vertices, character.body_weights);
-    for (const ClothRegion &region : simulator.regions()) {
-      const std::vector<Eigen::Vector2i> edges = edge_topology(region.model->faces()).edges;
-      watched.emplace_back();
-      for (std::size_t i = 0; i < kWatched; ++i)
-        watched.back().push_back(edges[i * edges.size() / kWatched]);
-    }
-    const Skeleton &skeleton = character.actor.skeleton;
-    const std::vector<Mesh> scan = cloth_at(character.actor.mesh.vertices);
-    for (int j = 0; j < skeleton.joint_count(); ++j)
-      if (const int parent = skeleton.joints[j].parent;
-          parent >= 0 && !through_any(skeleton.joints[parent].rest, skeleton.joints[j].rest, scan))
-        bones.push_back(j);
-  }
-
-  /// [region] at these positions (V, 3) m of M.
-  std::vector<Mesh> cloth_at(const Vertices &surface) const {
-    std::vector<Mesh> cloth;
-    for (const ClothRegion &region : simulator.regions())
-      cloth.push_back({surface(region.vertex_from_cloth, Eigen::all), region.model->faces()});
-    return cloth;
   }
 };
 
@@ -202,36 +171,10 @@ struct Player::Playing {
     if (watched_seconds < kWatchEvery)
       return;
     watched_seconds = 0;
-    take_surfaces(shared);
-    const bool is_caught = share_of_knots(shared) > kAllKnotted || bone_through(shared);
+    const bool is_caught = shared.caught_cloth.is_caught(state, posed, surfaces);
     looks_caught = is_caught ? looks_caught + 1 : 0;
     if (looks_caught > 1 && std::has_single_bit(looks_caught) && redrape_when_tangled(shared, seconds))
       looks_caught = 0;
-  }
-  /// Allocates nothing once warm.
-  void take_surfaces(const Shared &shared) {
-    surfaces.resize(state.regions.size());
-    for (std::size_t r = 0; r < surfaces.size(); ++r) {
-      surfaces[r].vertices = state.regions[r].positions;
-      if (surfaces[r].faces.rows() == 0)
-        surfaces[r].faces = shared.simulator.regions()[r].model->faces();
-    }
-  }
-  /// Of the watched edges those that pass through a face.
-  double share_of_knots(const Shared &shared) const {
-    int count = 0, all = 0;
-    for (std::size_t r = 0; r < surfaces.size(); ++r) {
-      count += crossing_edges(surfaces[r], shared.watched[r]);
-      all += static_cast<int>(shared.watched[r].size());
-    }
-    return static_cast<double>(count) / std::max(all, 1);
-  }
-  /// An arm that has left its sleeve, a thigh that has come out through the skirt.
-  bool bone_through(const Shared &shared) const {
-    const std::vector<Joint> &joints = shared.character.actor.skeleton.joints;
-    const auto place = [&](int joint) { return posed.world_from_rest[joint] * joints[joint].rest; };
-    return std::any_of(shared.bones.begin(), shared.bones.end(),
-                       [&](int joint) { return through_any(place(joints[joint].parent), place(joint), surfaces); });
   }
   /// Real cloth rubs itself to rest, whatever its drag and damping are; ours would swing on like a pendulum.
   void come_to_rest(const Shared &shared, double seconds) {
@@ -269,11 +212,11 @@ struct Player::Playing {
   /// better. Was it?
   bool redrape_when_tangled(const Shared &shared, double seconds) {
     looked = true;
-    const double faults = faults_of(shared, state);
+    const double faults = shared.caught_cloth.faults_of(state, posed);
     if (faults == 0)
       return false;
     CharacterState anew = drape_along(shared, ahead);
-    if (faults_of(shared, anew) >= faults)
+    if (shared.caught_cloth.faults_of(anew, posed) >= faults)
       return false;
     std::swap(caught, state);
     state = std::move(anew);
@@ -289,23 +232,6 @@ struct Player::Playing {
       const std::vector<int> &vertices = shared.simulator.regions()[r].vertex_from_cloth;
       state.regions[r].velocities = (posed.skinned(vertices, Eigen::all) - next.skinned(vertices, Eigen::all)) / seconds;
     }
-  }
-  /// The share of the faces that pass through others, unless that is small, and kProxyThrough for each proxy whose axis passes
-  /// through the cloth.
-  double faults_of(const Shared &shared, const CharacterState &cloth) const {
-    Context context;
-    context.threads = 1;
-    double faults = 0;
-    for (std::size_t r = 0; r < cloth.regions.size(); ++r) {
-      const Mesh mesh{cloth.regions[r].positions, shared.simulator.regions()[r].model->faces()};
-      const std::vector<std::uint8_t> crossing = self_intersecting_faces(mesh, context);
-      const double share = std::accumulate(crossing.begin(), crossing.end(), 0.0) / static_cast<double>(crossing.size());
-      faults += share > kFewCrossing ? share : 0;
-      faults +=
-          kProxyThrough * static_cast<double>(std::count_if(posed.capsules.begin(), posed.capsules.end(),
-                                                            [&](const Capsule &c) { return crosses_surface(c.p0, c.p1, mesh); }));
-    }
-    return faults;
   }
   /// What was caught goes along until it is no longer seen.
   void carry_caught(const Shared &shared, double seconds) {
