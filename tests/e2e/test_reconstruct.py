@@ -161,7 +161,7 @@ def test_the_garment_is_a_skirt(made):
     assert summary["smallest_angle_1_percent_degrees"] > 5
     garment = d.read_garment(made[0] / "garment.npz", d.read_actor(made[0] / "actor.npz"))
     area, scanned = (d.face_areas(at, garment.mesh.faces).sum() for at in (garment.rest, garment.mesh.vertices))
-    assert 1.05 * scanned < area < 2 * scanned
+    assert scanned < area < 2 * scanned  # in these frames it hardly flies
 
 
 def test_the_result_is_near_the_truth(made, shipped):
