@@ -1,4 +1,5 @@
 #include "doublet/animate/motion_file.h"
+#include "doublet/core/parts/fixed_point.h"
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
 #include "line_reader.h"
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
@@ -200,14 +200,8 @@ void pose_frame(const Hierarchy &hierarchy, const std::vector<bool> &added, cons
 
 constexpr const char *kPlaceChannels = "Xposition Yposition Zposition ", *kTurnChannels = "Yrotation Xrotation Zrotation";
 
-/// With a point, whatever the user's language has.
-std::string fixed(double value, int decimals) {
-  char text[400]; // more than the largest number has
-  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
-}
-
 std::string three(const Vector3d &v) {
-  return fixed(v.x() + 0.0, 6) + " " + fixed(v.y() + 0.0, 6) + " " + fixed(v.z() + 0.0, 6);
+  return fixed_point(v.x() + 0.0, 6) + " " + fixed_point(v.y() + 0.0, 6) + " " + fixed_point(v.z() + 0.0, 6);
 }
 
 /// A joint and what hangs on it; `order` takes the joints as they come, which is the order of the channels.
@@ -262,7 +256,7 @@ void write_bvh(const std::filesystem::path &path, const Skeleton &skeleton, cons
     std::vector<int> order;
     out << "HIERARCHY\n";
     write_joint(out, skeleton, 0, "", order);
-    out << "MOTION\nFrames: " << motion.dofs.rows() << "\nFrame Time: " << fixed(1 / motion.fps, 9) << "\n";
+    out << "MOTION\nFrames: " << motion.dofs.rows() << "\nFrame Time: " << fixed_point(1 / motion.fps, 9) << "\n";
     std::vector<Vector3d> before(order.size(), Vector3d::Zero());
     for (Eigen::Index t = 0; t < motion.dofs.rows(); ++t) {
       const Transforms world = forward_kinematics(skeleton, motion.dofs.row(t));

@@ -1,6 +1,7 @@
 #include "video_reader.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/fixed_point.h"
 #include "image_file.h"
 
 #include <algorithm>
@@ -47,16 +48,10 @@ std::vector<std::string> joined(std::vector<std::string> command, const std::vec
   return command;
 }
 
-/// With a point, whatever the user's language has.
-std::string in_seconds(double seconds) {
-  char text[400]; // more than the largest number has
-  return {text, std::to_chars(text, text + sizeof text, seconds, std::chars_format::fixed, 6).ptr};
-}
-
 std::vector<std::string> decoding(const fs::path &path, double seconds, int skipped) {
   std::vector<std::string> command = ffmpeg();
   if (seconds > 0)
-    command = joined(command, {"-ss", in_seconds(seconds)});
+    command = joined(command, {"-ss", fixed_point(seconds, 6)});
   // The time of every picture goes to file 3. Colours by the matrix of BT.601 whatever the file says, as OpenCV has it: so masks
   // and plates of one camera agree with its video.
   std::string filters = "metadata=add:key=x:value=x,metadata=print:direct=1:file='pipe\\:3',";
