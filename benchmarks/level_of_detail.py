@@ -12,7 +12,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet.export.level_of_detail import drawn_faces, level_of_detail, only_drawn
+from doublet.export.level_of_detail import level_of_detail, only_drawn
 from doublet.export.video_camera import Shot, cameras_along
 from PIL import Image
 
@@ -52,7 +52,7 @@ def main() -> None:
     character = d.Character.read(chosen.character)
     clip = d.SourceMotion.read(chosen.motion)
     motion = d.retarget(clip, character.actor.skeleton, d.RetargetOptions(fps=1 / character.solver.dt))
-    animation, every, panels = d.animate(character, motion), drawn_faces(character), []
+    animation, every, panels = d.animate(character, motion), d.drawn_faces(character), []
     print("| triangles | vertices | MB | mean (mm) | 95 % | worst |\n| --- | --- | --- | --- | --- | --- |")
     for triangles in (len(every.faces), *chosen.triangles):
         drawn = level_of_detail(character, triangles)

@@ -4,6 +4,7 @@
 #include "doublet/animate/baked_file.h"
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
+#include "doublet/animate/level_of_detail.h"
 #include "doublet/animate/parts/arm_penetration.h"
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/plant_feet.h"
@@ -398,6 +399,12 @@ void bind_texture(py::module_ &m) {
       .def_readonly("garment_subdivisions", &DisplayMesh::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
   m.def("build_display_mesh", &build_display_mesh, py::arg("actor"), py::arg("segmentation"), py::arg("high"), Release(),
         "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.");
+  m.def("drawn_faces", &drawn_faces, py::arg("character"), Release(),
+        "TexturedFaces of the valid faces of M_high. Raises Error naming the part of the character that does not fit.");
+  m.def(
+      "reduce_faces", &reduce_faces, py::arg("vertices"), py::arg("drawn"), py::arg("triangles"), Release(),
+      "About so many triangles in the place of TexturedFaces, of the same vertices: open rims and seams of the texture are only "
+      "thinned along themselves.");
   Class<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
       .def(py::init<const Character &>(), py::arg("character"), Release())
       .def("apply", py::overload_cast<const Vertices &>(&DisplaySurface::apply, py::const_), py::arg("surface"), Release(),

@@ -2,7 +2,6 @@
 
 #include "doublet/capture/calibration_file.h"
 #include "doublet/capture/heat_weights.h"
-#include "doublet/capture/level_of_detail.h"
 #include "doublet/capture/measured_observations.h"
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
@@ -362,10 +361,6 @@ void bind_template(py::module_ &m) {
         "naming the file.");
   m.def("write_mesh", &write_mesh, py::arg("path"), py::arg("mesh"), Release(),
         ".ply, .obj, .stl or .off by the extension, complete or not at all.");
-  m.def(
-      "reduce_faces", &reduce_faces, py::arg("vertices"), py::arg("drawn"), py::arg("triangles"), Release(),
-      "About so many triangles in the place of TexturedFaces, of the same vertices: open rims and seams of the texture are only "
-      "thinned along themselves.");
 }
 
 void bind_performance(py::module_ &m) {

@@ -226,6 +226,7 @@ def calls(world, folder) -> dict:
             d.SurfaceTransfer(w.mesh, valid, w.high, [1] * len(w.high.faces)).apply, {"coarse": v},
         ),
         "hidden_faces": (d.hidden_faces, {"character": w.character}),
+        "drawn_faces": (d.drawn_faces, {"character": w.character}),
         "render": (d.render, {"meshes": [d.RenderMesh(v, f)], "camera": w.cameras[0]}),
         "render arrays": (
             lambda vertices, faces, colours, face_valid: d.render(

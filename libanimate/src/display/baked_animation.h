@@ -10,6 +10,6 @@ namespace doublet {
 void require_animation(const Character &character, const AnimationResult &animation);
 
 /// What is drawn of M_high: `drawn`, or if that is empty its valid faces. Throws std::invalid_argument if it does not fit.
-TexturedFaces drawn_faces(const Character &character, const AnimationResult &animation, const TexturedFaces &drawn);
+TexturedFaces faces_to_draw(const Character &character, const AnimationResult &animation, const TexturedFaces &drawn);
 
 } // namespace doublet

@@ -76,7 +76,7 @@ std::vector<Baked> bound_meshes(glb::Writer &writer, const Character &character,
                       glb::add_material(writer, "surface", Vector3d::Ones(), -1, true),
                       {}});
   } else {
-    const TexturedFaces shown = drawn_faces(character, animation, drawn);
+    const TexturedFaces shown = faces_to_draw(character, animation, drawn);
     const int image = character.texture.empty() ? -1 : writer.image(character.texture);
     const TexCoords places = image < 0 ? TexCoords() : TexCoords(shown.texcoords);
     meshes.push_back({bind_mesh("surface", glb::display_mesh({character.high.vertices, shown.faces}, {}, places),

@@ -1,6 +1,7 @@
 #include "baked_animation.h"
 
 #include "doublet/animate/baked_file.h"
+#include "doublet/animate/level_of_detail.h"
 #include "doublet/files/files.h"
 #include "doublet/files/npz.h"
 
@@ -55,17 +56,9 @@ void require_animation(const Character &character, const AnimationResult &animat
                                 std::to_string(frames) + " frames of another kind");
 }
 
-TexturedFaces drawn_faces(const Character &character, const AnimationResult &animation, const TexturedFaces &drawn) {
-  if (drawn.faces.rows() == 0) {
-    TexturedFaces own{valid_faces(character.high.faces, character.high_valid), {}};
-    if (character.texcoords.rows() == 0)
-      return own;
-    own.texcoords.resize(3 * own.faces.rows(), 2);
-    for (Eigen::Index f = 0, at = 0; f < character.high.faces.rows(); ++f)
-      if (character.high_valid.empty() || character.high_valid[f])
-        own.texcoords.middleRows(3 * at++, 3) = character.texcoords.middleRows(3 * f, 3);
-    return own;
-  }
+TexturedFaces faces_to_draw(const Character &character, const AnimationResult &animation, const TexturedFaces &drawn) {
+  if (drawn.faces.rows() == 0)
+    return drawn_faces(character);
   if (animation.high.empty() || drawn.faces.minCoeff() < 0 || drawn.faces.maxCoeff() >= character.high.vertices.rows() ||
       drawn.texcoords.rows() != (character.texcoords.rows() > 0 ? 3 * drawn.faces.rows() : 0))
     throw std::invalid_argument("baked animation: drawn: expected faces of the character's display surface, with texture "
@@ -96,7 +89,7 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
     npz.set_b1("body_shown", character.body_shown);
   }
   if (drawn.faces.rows() > 0) {
-    const Faces faces = drawn_faces(character, animation, drawn).faces;
+    const Faces faces = faces_to_draw(character, animation, drawn).faces;
     std::vector<int> all(faces.rows()), vertices;
     std::iota(all.begin(), all.end(), 0);
     const Mesh shown = submesh({character.high.vertices, faces}, all, &vertices);

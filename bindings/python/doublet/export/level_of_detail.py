@@ -9,21 +9,12 @@ import numpy as np
 from .. import _doublet as d
 
 
-def drawn_faces(character: d.Character) -> d.TexturedFaces:
-    """All that is drawn of M_high."""
-    shown = np.asarray(character.high_valid, bool)
-    corners = np.zeros((0, 2))
-    if len(character.texcoords):
-        corners = character.texcoords.reshape(-1, 3, 2)[shown].reshape(-1, 2)
-    return d.TexturedFaces(character.high.faces[shown], corners)
-
-
 def level_of_detail(character: d.Character, triangles: int) -> d.TexturedFaces:
     """About so many triangles in the place of M_high's, of its vertices; all of them where there are no more. Raises ValueError
     if the character has no display surface."""
     if not len(character.high.faces):
         raise ValueError(f"--lod: expected a character with a display surface, found {character.name} without one")
-    every = drawn_faces(character)
+    every = d.drawn_faces(character)
     return every if len(every.faces) <= triangles else d.reduce_faces(character.high.vertices, every, triangles)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import written_atomically
-from .level_of_detail import drawn_faces
 
 
 def usd_modules():
@@ -205,7 +204,7 @@ def write_usdc(
         with written_atomically(texture_path(out, character)) as beside:
             beside.write_bytes(character.texture)
     with written_atomically(out) as beside:
-        stage = Stage(character, texture, drawn if drawn is not None and len(drawn.faces) else drawn_faces(character))
+        stage = Stage(character, texture, drawn if drawn is not None and len(drawn.faces) else d.drawn_faces(character))
         count = d.animate_each(character, motion, stage.write_frame, options or d.AnimateOptions(), context or d.Context())
         stage.save(beside, out)
     return count

@@ -1,10 +1,10 @@
-#include "doublet/capture/level_of_detail.h"
+#include "doublet/animate/level_of_detail.h"
 
+#include "doublet/animate/character.h"
 #include "doublet/core/error.h"
 #include "doublet/core/mesh.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <OpenMesh/Core/System/omstream.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
@@ -94,26 +94,47 @@ public:
   }
 };
 
+/// Can the triangle be added? As add_face() decides it, which says why not on an error stream that all threads share.
+bool fits(const DetailMesh &mesh, const std::array<OpenMesh::VertexHandle, 3> &corner) {
+  if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+    return false;
+  std::array<OpenMesh::HalfedgeHandle, 3> side;
+  for (int k = 0; k < 3; ++k) {
+    side[k] = mesh.find_halfedge(corner[k], corner[(k + 1) % 3]);
+    if (!mesh.is_boundary(corner[k]) || (side[k].is_valid() && !mesh.is_boundary(side[k])))
+      return false;
+  }
+  for (int k = 0; k < 3; ++k) { // a fan that the triangle closes must be the only one at its vertex
+    const OpenMesh::HalfedgeHandle in = side[k], out = side[(k + 1) % 3];
+    if (!in.is_valid() || !out.is_valid() || mesh.next_halfedge_handle(in) == out)
+      continue;
+    OpenMesh::HalfedgeHandle end = mesh.opposite_halfedge_handle(out);
+    while (!mesh.is_boundary(end))
+      end = mesh.opposite_halfedge_handle(mesh.next_halfedge_handle(end));
+    if (end == in)
+      return false;
+  }
+  return true;
+}
+
 DetailMesh to_openmesh(const Vertices &vertices, const TexturedFaces &drawn, std::vector<int> &kept) {
   DetailMesh mesh;
   std::vector<DetailMesh::VertexHandle> handles;
   for (Eigen::Index v = 0; v < vertices.rows(); ++v)
     handles.push_back(mesh.add_vertex({vertices(v, 0), vertices(v, 1), vertices(v, 2)}));
-  omerr().disable(); // a face that does not fit is kept, and no word about it
   for (Eigen::Index f = 0; f < drawn.faces.rows(); ++f) {
-    const auto face = mesh.add_face(handles[drawn.faces(f, 0)], handles[drawn.faces(f, 1)], handles[drawn.faces(f, 2)]);
-    if (!face.is_valid()) {
+    const std::array corner{handles[drawn.faces(f, 0)], handles[drawn.faces(f, 1)], handles[drawn.faces(f, 2)]};
+    if (!fits(mesh, corner)) {
       kept.push_back(static_cast<int>(f));
       continue;
     }
-    Corners &corners = mesh.data(face).corners;
+    Corners &corners = mesh.data(mesh.add_face(corner[0], corner[1], corner[2])).corners;
     for (int k = 0; k < 3; ++k) {
       corners.vertex[k] = drawn.faces(f, k);
       corners.place[k] =
           drawn.texcoords.rows() > 0 ? Place(drawn.texcoords(3 * f + k, 0), drawn.texcoords(3 * f + k, 1)) : Place(0, 0);
     }
   }
-  omerr().enable();
   for (int f : kept)
     for (int k = 0; k < 3; ++k)
       mesh.status(handles[drawn.faces(f, k)]).set_locked(true);
@@ -157,6 +178,18 @@ void require_drawn(const Vertices &vertices, const TexturedFaces &drawn, int tri
 }
 
 } // namespace
+
+TexturedFaces drawn_faces(const Character &character) {
+  validate_character(character);
+  TexturedFaces drawn{valid_faces(character.high.faces, character.high_valid), {}};
+  if (character.texcoords.rows() == 0)
+    return drawn;
+  drawn.texcoords.resize(3 * drawn.faces.rows(), 2);
+  for (Eigen::Index f = 0, at = 0; f < character.high.faces.rows(); ++f)
+    if (character.high_valid[f])
+      drawn.texcoords.middleRows(3 * at++, 3) = character.texcoords.middleRows(3 * f, 3);
+  return drawn;
+}
 
 TexturedFaces reduce_faces(const Vertices &vertices, const TexturedFaces &drawn, int triangles) {
   constexpr double kMostTurn = 60; // degrees, of a face in one collapse

@@ -1,4 +1,4 @@
-#include "doublet/capture/level_of_detail.h"
+#include "doublet/animate/level_of_detail.h"
 
 #include <gtest/gtest.h>
 
@@ -97,6 +97,26 @@ TEST(LevelOfDetail, WhatMakesTheSurfaceNonManifoldStays) {
   EXPECT_EQ(reduced.texcoords.rows(), 0);
   EXPECT_LE(reduced.faces.rows(), 70);
   EXPECT_EQ(reduced.faces.bottomRows(1), faces.bottomRows(1));
+}
+
+TEST(LevelOfDetail, FacesThatCannotBeJoinedStayAndNothingIsSaidOfThem) {
+  Square square;
+  const int rim = grid_vertex(0, 12), inside = grid_vertex(5, 5), first = static_cast<int>(square.vertices.rows());
+  square.vertices.conservativeResize(first + 3, 3);
+  square.vertices.bottomRows(3) << -0.1, 0.5, 0.1, -0.1, 0.4, 0, -0.1, 0.6, 0;
+  Faces &faces = square.drawn.faces;
+  const Eigen::Index joined = faces.rows() + 2;
+  faces.conservativeResize(joined + 3, 3);
+  faces.bottomRows(5) << rim, first, first + 1, rim, first + 1, first + 2, //
+      rim, first + 2, first,                                               // closes a second fan at a vertex
+      inside, first, first + 1,                                            // at a vertex that is surrounded
+      rim, rim, first;
+  square.drawn.texcoords.resize(0, 2);
+  ::testing::internal::CaptureStderr();
+  const TexturedFaces reduced = reduce_faces(square.vertices, square.drawn, 60);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_LE(reduced.faces.rows(), 70);
+  EXPECT_EQ(reduced.faces.bottomRows(3), faces.bottomRows(3));
 }
 
 TEST(LevelOfDetail, WhatDoesNotFitIsRefused) {
