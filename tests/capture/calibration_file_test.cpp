@@ -586,6 +586,8 @@ TEST_F(CalibrationFiles, DamagedQualisys) {
   expect_refused(folder / "c.qca.txt", {"cam0", "r11", "'x"});
   with(" r11=\"", " r11=\"1");
   expect_refused(folder / "c.qca.txt", {"cam0", "rotation"});
+  with(" x=\"", " x=\"1e999\" old_x=\"");
+  expect_refused(folder / "c.qca.txt", {"x in <transform> to be a number", "1e999"});
   with(" x=\"", " x=\"nan\" old_x=\"");
   expect_refused(folder / "c.qca.txt", {"cam0", "NaN"});
   with(" x=\"", " old_x=\"");

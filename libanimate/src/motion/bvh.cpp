@@ -1,5 +1,5 @@
 #include "doublet/animate/motion_file.h"
-#include "doublet/core/parts/fixed_point.h"
+#include "doublet/core/parts/number_text.h"
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
 #include "line_reader.h"

@@ -2,16 +2,15 @@
 // Words of a text file with their line numbers, for parsers whose messages name the line.
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/number_text.h"
 #include "doublet/files/files.h"
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <string>
-#include <string_view>
-#include <system_error>
 #include <vector>
 
 namespace doublet {
@@ -66,14 +65,10 @@ public:
   double number(const TextLine &line, std::size_t word, const std::string &expected) const {
     if (word >= line.words.size())
       fail(line, expected);
-    std::string_view text = line.words[word];
-    if (text.starts_with('+'))
-      text.remove_prefix(1);
-    double value = 0; // with a point, whatever the user's language has
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (problem != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    const std::optional<double> value = parse_number(line.words[word]);
+    if (!value || !std::isfinite(*value))
       fail(line, expected);
-    return value;
+    return *value;
   }
 
 private:

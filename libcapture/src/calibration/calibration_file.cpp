@@ -2,13 +2,14 @@
 
 #include "calibration_formats.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/number_text.h"
 #include "doublet/files/files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <opencv2/calib3d.hpp>
+#include <optional>
 #include <set>
 
 namespace doublet {
@@ -37,9 +38,8 @@ const std::map<std::string, double> kUnits = {{"m", 1}, {"cm", 0.01}, {"mm", 0.0
 double metres(const std::string &units) {
   if (const auto known = kUnits.find(units); known != kUnits.end())
     return known->second;
-  double factor = 0;
-  const auto [end, problem] = std::from_chars(units.data(), units.data() + units.size(), factor);
-  return problem == std::errc() && end == units.data() + units.size() && factor > 0 && std::isfinite(factor) ? factor : 0;
+  const std::optional<double> factor = parse_number(units);
+  return factor && *factor > 0 && std::isfinite(*factor) ? *factor : 0;
 }
 
 // --- which format

@@ -2,11 +2,11 @@
 
 #include "calibration_formats.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/number_text.h"
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -110,11 +110,9 @@ Intrinsics read_cameras_text(const fs::path &path) {
 bool is_points(const std::string &line) {
   std::istringstream words(line);
   std::size_t count = 0;
-  for (std::string word; words >> word; ++count) {
-    double value = 0;
-    if (std::from_chars(word.data(), word.data() + word.size(), value).ptr != word.data() + word.size())
+  for (std::string word; words >> word; ++count)
+    if (!parse_number(word))
       return false;
-  }
   return count % 3 == 0;
 }
 

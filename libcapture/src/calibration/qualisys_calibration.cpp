@@ -2,11 +2,12 @@
 
 #include "calibration_formats.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/number_text.h"
 #include "doublet/files/files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
+#include <optional>
 #include <pugixml.hpp>
 #include <regex>
 
@@ -19,14 +20,13 @@ constexpr double kSubpixels = 64; // focal lengths and centres are in these unit
 
 double number(const pugi::xml_node &node, const char *name, const std::string &where) {
   const pugi::xml_attribute attribute = node.attribute(name);
-  const char *text = attribute.value(), *end = text + std::strlen(text);
-  double value = 0;
-  if (!attribute || *text == '\0')
+  const std::string text = attribute.value();
+  if (text.empty())
     throw Error(where + ": expected " + name + " in <" + node.name() + ">, found none");
-  if (std::from_chars(text, end, value).ptr != end)
-    throw Error(where + ": expected " + name + " in <" + node.name() + "> to be a number, found '" +
-                std::string(text).substr(0, 40) + "'");
-  return value;
+  const std::optional<double> value = parse_number(text);
+  if (!value)
+    throw Error(where + ": expected " + name + " in <" + node.name() + "> to be a number, found '" + text.substr(0, 40) + "'");
+  return *value;
 }
 
 pugi::xml_node child(const pugi::xml_node &camera, const char *name, const std::string &where) {

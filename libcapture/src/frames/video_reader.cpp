@@ -1,7 +1,7 @@
 #include "video_reader.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/parts/fixed_point.h"
+#include "doublet/core/parts/number_text.h"
 #include "image_file.h"
 
 #include <algorithm>

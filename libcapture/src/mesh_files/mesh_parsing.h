@@ -3,10 +3,11 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/mesh.h"
+#include "doublet/core/parts/number_text.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,13 +73,10 @@ public:
     return first;
   }
   double number(std::string_view text, const char *expected) const {
-    double value = 0;
-    if (text.starts_with('+'))
-      text.remove_prefix(1);
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (code != std::errc() || end != text.data() + text.size() || text.empty())
+    const std::optional<double> value = parse_number(text);
+    if (!value)
       fail(expected, text);
-    return value;
+    return *value;
   }
   double next_number(const char *expected) { return number(next(), expected); }
   double next_number_on_line(const char *expected) { return number(next_on_line(), expected); }
