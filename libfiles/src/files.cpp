@@ -15,12 +15,25 @@ namespace doublet {
 
 namespace {
 
-/// Beside `path` and with its extension (writers choose formats by it); no other process or thread uses the same name.
-Path temporary_beside(const Path &path) {
+/// The file that a link leads to, whether it is there or not.
+Path behind_links(const Path &path) {
+  constexpr int kMostLinks = 40; // as Linux follows
+  std::error_code error;
+  Path target = path;
+  for (int links = 0; std::filesystem::is_symlink(target, error); ++links) {
+    if (links == kMostLinks)
+      throw Error(path.string() + ": expected a file to write, found links that lead to each other");
+    target = target.parent_path() / std::filesystem::read_symlink(target, error);
+  }
+  return target;
+}
+
+/// In `folder` and with the extension of `path` (writers choose formats by it); no other process or thread uses the same name.
+Path temporary_in(const Path &folder, const Path &path) {
   static std::atomic<unsigned> counter{0};
   const std::string name = std::string(".") + path.stem().string() + "." + std::to_string(getpid()) + "-" +
                            std::to_string(counter++) + ".tmp" + path.extension().string();
-  return path.parent_path() / name;
+  return folder / name;
 }
 
 void create_folder_of(const Path &path) {
@@ -60,8 +73,9 @@ void flush_to_disk(const Path &temporary, const Path &path) {
 
 void write_atomically(const Path &path, const std::function<void(const Path &)> &write) {
   refuse_special(path);
-  create_folder_of(path);
-  const Path temporary = temporary_beside(path);
+  const Path target = behind_links(path); // which is replaced, not the link
+  create_folder_of(target);
+  const Path temporary = temporary_in(target.parent_path(), path);
   std::error_code error;
   try {
     write(temporary);
@@ -70,7 +84,7 @@ void write_atomically(const Path &path, const std::function<void(const Path &)> 
     std::filesystem::remove(temporary, error);
     throw;
   }
-  std::filesystem::rename(temporary, path, error);
+  std::filesystem::rename(temporary, target, error);
   if (error) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);

@@ -97,6 +97,28 @@ TEST(Files, WritesAreCompleteOrNotThere) {
   EXPECT_THROW(write_text("/proc/none/x.txt", "x"), Error);
 }
 
+TEST(Files, ALinkStaysAndTheFileBehindItIsWritten) {
+  const TempFolder folder;
+  write_text(folder / "disk/blob", "old");
+  std::filesystem::create_symlink("disk/blob", folder / "inner");
+  std::filesystem::create_symlink("inner", folder / "a.txt");
+  std::filesystem::create_symlink("disk/new/b.txt", folder / "b.txt"); // leads to nothing as yet
+  write_atomically(folder / "a.txt", [&](const Path &temporary) {
+    EXPECT_EQ(temporary.extension(), ".txt");
+    EXPECT_EQ(temporary.parent_path(), folder / "disk"); // a rename stays on one disk
+    std::ofstream(temporary) << "new";
+  });
+  write_text(folder / "b.txt", "first");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "a.txt") && std::filesystem::is_symlink(folder / "inner"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "b.txt"));
+  EXPECT_EQ(read_text(folder / "disk/blob") + read_text(folder / "disk/new/b.txt"), "newfirst");
+
+  std::filesystem::create_symlink("there", folder / "here");
+  std::filesystem::create_symlink("here", folder / "there");
+  EXPECT_NE(error_of([&] { write_text(folder / "here", "x"); }).find("here: expected a file to write, found links"),
+            std::string::npos);
+}
+
 TEST(Files, ActorRoundTrip) {
   const TempFolder folder;
   RiggedMesh actor = testing::figure_actor(0.06);

@@ -152,6 +152,19 @@ def test_a_disk_that_is_really_full(tiny_disk):
         assert not list(tiny_disk.iterdir()), name
 
 
+@pytest.mark.parametrize(("name", "write"), [("run.json", lambda path: write_json(path, "new")), ("masks.npz", savez)])
+def test_a_link_stays_and_the_file_behind_it_is_written(tmp_path, name, write):
+    """As the C++ half has it (tests/files/files_test.cpp)."""
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "disk" / "blob").write_text("old")
+    (tmp_path / "inner").symlink_to("disk/blob")
+    (tmp_path / name).symlink_to("inner")
+    write(tmp_path / name)
+    assert (tmp_path / name).is_symlink() and (tmp_path / "inner").is_symlink()
+    assert (tmp_path / "disk" / "blob").read_bytes() == (tmp_path / name).read_bytes() != b"old"
+    assert sorted(p.name for p in (tmp_path / "disk").iterdir()) == ["blob"]
+
+
 def test_a_page_without_room(world, tmp_path, monkeypatch):
     bundle, page = tmp_path / "bundle", tmp_path / "page"
     bundle.mkdir()

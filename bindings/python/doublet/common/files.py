@@ -22,18 +22,20 @@ else:
 
 @contextmanager
 def written_atomically(path: Path):
-    """A path beside `path` to write to; brought to the disk and renamed to `path` if the block succeeds, removed if not."""
+    """A path beside `path` to write to; brought to the disk and renamed to `path` if the block succeeds, removed if not. A
+    symbolic link stays: the file that it leads to is replaced."""
     path = Path(path)
     with suppress(OSError):  # of a name that no disk takes what follows speaks
         require_file(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    target = Path(os.path.realpath(path))
+    target.parent.mkdir(parents=True, exist_ok=True)
     # Same suffix: writers choose the format by it.
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    beside = target.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         yield beside
         with beside.open("rb") as written:
             os.fsync(written.fileno())  # a full disk may only say so now
-        beside.replace(path)
+        beside.replace(target)
     except OSError as error:
         if error.errno is None or error.filename not in (None, str(beside)):
             raise

@@ -21,6 +21,7 @@ inline constexpr int kFileFormat = 1;
 void require_format(int found, int newest, const std::string &source);
 
 /// Runs write(temporary path beside `path`), has it brought to the disk, then renames; removes the temporary if anything throws.
+/// A symbolic link stays: the file that it leads to is replaced.
 /// Throws Error naming `path` if it cannot be written, is a folder or a device.
 void write_atomically(const Path &path, const std::function<void(const Path &)> &write);
 /// The same for what goes into a stream; all that it was given is there in the end, or Error says why not (full disk).
