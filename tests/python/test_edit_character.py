@@ -69,6 +69,20 @@ def test_a_texture_is_the_file_as_it_is_and_the_body_follows(file, tmp_path):
     np.testing.assert_allclose(character.body_colour, (np.array([200, 100, 50]) / 255) ** 2.2, rtol=0.01)
 
 
+@pytest.mark.parametrize("suffix", ["jpg", "png"])
+def test_a_texture_that_was_turned_by_its_camera_is_taken_as_it_looks(file, tmp_path, suffix):
+    """Stored lying on its side, with EXIF data that turn it upright: renderers take what is stored."""
+    character = d.Character.read(file)
+    upright = np.full(picture(character).shape, 20, np.uint8)
+    upright[: len(upright) // 2] = [200, 100, 50]
+    turned = Image.Exif()
+    turned[0x0112] = 6  # a quarter turn clockwise
+    Image.fromarray(np.rot90(upright)).save(tmp_path / f"turned.{suffix}", exif=turned, quality=95)
+    set_texture(character, tmp_path / f"turned.{suffix}")
+    assert np.abs(picture(character) - upright).max() < 8
+    assert Image.open(io.BytesIO(bytes(character.texture))).getexif().get(0x0112, 1) == 1
+
+
 def test_what_is_written_is_the_texture(file, tmp_path, capsys):
     assert run(file, "--write-texture", tmp_path / "atlas.xyz") == 0
     path = Path(capsys.readouterr().out.strip())

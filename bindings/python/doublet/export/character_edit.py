@@ -17,6 +17,7 @@ PNG, JPEG = b"\x89PNG", b"\xff\xd8\xff"
 GAMMA = 2.2  # about that of sRGB, which images are in
 ALIKE = 30  # of 255 in each channel, to which a texel is of the hidden body's colour
 QUALITY = 95  # of a JPEG that is written anew
+ORIENTATION = 0x0112  # of EXIF: how a picture is turned to be looked at; 1 = not
 THIGH = 0.5  # of the way from hip to knee, to which a garment under the garment reaches
 BORDER = 3  # px of a line round a triangle, for what is read between its texels and those beside its chart
 
@@ -35,8 +36,8 @@ def linear(rgb: Sequence[int]) -> np.ndarray:
 
 def set_texture(character: d.Character, file: Path) -> None:
     """Another picture for M_high, laid out as its own (write_texture() has that): what is drawn of the hidden body apart from it
-    takes the colour that its like has in the new picture. Raises RuntimeError naming the file if it is no PNG or JPEG,
-    or of other proportions."""
+    takes the colour that its like has in the new picture. A picture that EXIF data turn is taken as it looks. Raises RuntimeError
+    naming the file if it is no PNG or JPEG, or of other proportions."""
     if not len(character.texcoords):
         raise ValueError(f"{character.name}: expected a character with a texture to replace, found none")
     picture, content = read_image(file), Path(file).read_bytes()
@@ -46,7 +47,19 @@ def set_texture(character: d.Character, file: Path) -> None:
     if before is not None:
         require_shape(file, picture.size, before.size)
         follow(character, np.asarray(before), np.asarray(picture.convert("RGB").resize(before.size, Image.BOX)))
-    character.texture = content
+    character.texture = as_it_looks(picture, content)
+
+
+def as_it_looks(picture: Image.Image, content: bytes) -> bytes:
+    """The file's content; of a picture that EXIF data turn, the turned one written anew: renderers look at no such data."""
+    turned = Image.open(io.BytesIO(content)).getexif().get(ORIENTATION, 1) != 1
+    return encoded(picture, content.startswith(PNG)) if turned else content
+
+
+def encoded(picture: Image.Image, png: bool) -> bytes:
+    kept = io.BytesIO()
+    picture.save(kept, **({"format": "PNG"} if png else {"format": "JPEG", "quality": QUALITY, "subsampling": 0}))
+    return kept.getvalue()
 
 
 def require_shape(file: Path, size: tuple[int, int], own: tuple[int, int]) -> None:
@@ -110,10 +123,7 @@ def paint(character: d.Character, faces: np.ndarray, rgb: Sequence[int], above: 
         if len(points) > 2:
             draw.polygon(points, fill=colour)
             draw.line([*points, points[0]], fill=colour, width=BORDER)
-    kept = io.BytesIO()
-    png = bytes(character.texture).startswith(PNG)
-    picture.save(kept, **({"format": "PNG"} if png else {"format": "JPEG", "quality": QUALITY, "subsampling": 0}))
-    character.texture = kept.getvalue()
+    character.texture = encoded(picture, bytes(character.texture).startswith(PNG))
 
 
 def part_above(corners: np.ndarray, heights: np.ndarray, above: float) -> list[tuple[float, float]]:
