@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # build-wheel.sh [FOLDER]: a wheel that brings what it needs, build/portable-wheel/ unless FOLDER says otherwise: installed by pip
-# alone on any Linux with glibc 2.36 (Debian 12 or later), without apt and compiler. For the Python of $PYTHON, /usr/bin/python3
-# unless told otherwise. With the page of `doublet view` where Emscripten is (scripts/apt-packages-viewer.txt).
+# alone on any Linux with glibc 2.35 (Debian 12, Ubuntu 22.04 or later), without apt and compiler. For the Python of $PYTHON,
+# /usr/bin/python3 unless told otherwise. With the page of `doublet view` where Emscripten is (scripts/apt-packages-viewer.txt).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=$(realpath -m "${1:-build/portable-wheel}")
@@ -22,6 +22,6 @@ rm -rf "$work/plain" "$work/repaired"
 "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w "$work/plain" . \
   --config-settings=build-dir="$work/build" \
   --config-settings=cmake.define.DOUBLET_STATIC=ON
-PATH=$venv/bin:$PATH "$venv/bin/auditwheel" repair --plat "manylinux_2_36_$(uname -m)" -w "$work/repaired" "$work"/plain/doublet-*.whl >/dev/null
+PATH=$venv/bin:$PATH "$venv/bin/auditwheel" repair --plat "manylinux_2_35_$(uname -m)" -w "$work/repaired" "$work"/plain/doublet-*.whl >/dev/null
 "$venv/bin/python" packaging/wheel/add_licences.py "$work"/plain/doublet-*.whl "$work"/repaired/doublet-*.whl "$out"
 "$venv/bin/python" packaging/wheel/check.py "$out"/doublet-*.whl

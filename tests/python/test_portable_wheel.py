@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -29,7 +30,7 @@ class Made:
     """A wheel as auditwheel leaves it."""
 
     def __init__(self, folder: Path):
-        self.folder, self.path = folder, folder / "doublet-9.9-cp311-cp311-manylinux_2_36_x86_64.whl"
+        self.folder, self.path = folder, folder / "doublet-9.9-cp311-cp311-manylinux_2_35_x86_64.whl"
 
     def of(self, *libraries: Path, licences: int = 9) -> list[str]:
         module = library(self.folder, "_doublet.so", *libraries)
@@ -70,6 +71,12 @@ def test_it_has_a_tag_and_is_not_large(tmp_path, monkeypatch):
     made.path = tmp_path / "doublet-9.9-cp311-cp311-linux_x86_64.whl"
     monkeypatch.setattr(check, "LARGEST", 100)
     assert [problem.split(",")[0] for problem in made.of()] == ["expected at most 0 MB", "expected a tag of manylinux"]
+
+
+def test_the_tag_asks_for_the_glibc_that_the_page_names():
+    tag = re.search(r"manylinux_(\d+)_(\d+)_", (ROOT / "scripts" / "build-wheel.sh").read_text(encoding="utf-8"))
+    page = re.search(r"glibc (\d+)\.(\d+)", (ROOT / "docs" / "install.md").read_text(encoding="utf-8"))
+    assert tag.groups() == page.groups()
 
 
 @pytest.fixture(scope="module")
