@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from doublet.cli import commands
 from doublet.cli import program as cli
-from doublet.common.files import write_json, written_atomically
+from doublet.common.files import folder_written_atomically, write_json, written_atomically
 from doublet.common.video import VideoWriter
 from doublet.export.usd import usd_modules, write_usdc
 from doublet.pages.view import FILES, write_view
@@ -163,6 +163,21 @@ def test_a_link_stays_and_the_file_behind_it_is_written(tmp_path, name, write):
     assert (tmp_path / name).is_symlink() and (tmp_path / "inner").is_symlink()
     assert (tmp_path / "disk" / "blob").read_bytes() == (tmp_path / name).read_bytes() != b"old"
     assert sorted(p.name for p in (tmp_path / "disk").iterdir()) == ["blob"]
+
+
+def test_a_link_to_a_folder_stays_and_that_folder_is_replaced(tmp_path):
+    (tmp_path / "disk" / "session").mkdir(parents=True)
+    (tmp_path / "mine").symlink_to("disk/session")
+    with folder_written_atomically(tmp_path / "mine") as folder:
+        write_json(folder / "session.json", "new")
+    assert (tmp_path / "mine").is_symlink() and (tmp_path / "disk" / "session" / "session.json").is_file()
+    said = re.escape(f"{tmp_path / 'mine' / 'x'}: no")
+    with pytest.raises(RuntimeError, match=said), folder_written_atomically(tmp_path / "mine") as folder:
+        raise RuntimeError(f"{folder / 'x'}: no")
+    assert [sorted(p.name for p in folder.iterdir()) for folder in (tmp_path, tmp_path / "disk")] == [
+        ["disk", "mine"],
+        ["session"],
+    ]
 
 
 def test_a_page_without_room(world, tmp_path, monkeypatch):

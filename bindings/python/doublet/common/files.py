@@ -48,8 +48,8 @@ def written_atomically(path: Path):
 @contextmanager
 def folder_written_atomically(path: Path):
     """A new folder beside `path` to fill; renamed to `path`, in the place of what may be there, if the block succeeds, removed if
-    not. What is said about a file in it names the file that it would have become."""
-    path = Path(path).absolute()
+    not. What is said about a file in it names the file that it would have become. A symbolic link stays, as above."""
+    named, path = Path(path).absolute(), Path(os.path.realpath(path))
     beside, before = (path.with_name(f".{path.name}.{os.getpid()}.{what}") for what in ("part", "old"))
     beside.mkdir(parents=True)
     try:
@@ -60,12 +60,12 @@ def folder_written_atomically(path: Path):
     except OSError as error:
         if error.errno is None or (error.filename is not None and str(beside) not in str(error.filename)):
             raise
-        name = str(error.filename or path).replace(str(beside), str(path))
+        name = str(error.filename or named).replace(str(beside), str(named))
         raise OSError(error.errno, f"cannot be written: {error.strerror.removeprefix('cannot be written: ')}", name) from error
     except RuntimeError as error:
         if str(beside) not in str(error):
             raise
-        raise RuntimeError(str(error).replace(str(beside), str(path))) from error
+        raise RuntimeError(str(error).replace(str(beside), str(named))) from error
     finally:
         if before.exists() and not path.exists():
             before.replace(path)
