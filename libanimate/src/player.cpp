@@ -29,8 +29,6 @@ constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
 // In motion it is looked at now and then: cloth that is caught twice in a row does not come loose by itself.
 constexpr double kWatchEvery = 0.5; // s
-// Cloth is put on in so many times the substeps of a step: the way there is quick, and an arm may not leave its sleeve on it.
-constexpr int kDrapedCloser = 2;
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -129,9 +127,7 @@ struct Player::Playing {
     std::vector<PosedFrame> way;
     for (const Eigen::VectorXd &on_the_way : lead_in_poses(shared.character.actor.skeleton, dofs, shared.character.solver.dt))
       pose(shared, on_the_way, way.emplace_back());
-    StepEnvironment world = whole_frames(shared);
-    world.substeps = kDrapedCloser * shared.character.solver.cloth.substeps;
-    CharacterState cloth = shared.simulator.drape_along(way, materials, world);
+    CharacterState cloth = shared.simulator.drape_along(way, materials, whole_frames(shared));
     for (pbd::ClothState &region : cloth.regions)
       region.velocities.setZero();
     return cloth;

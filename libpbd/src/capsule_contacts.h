@@ -26,6 +26,11 @@ template <class T> inline Box<T> reach_of(const CapsuleShape<T> &start, const Ca
   add(end, end.length);
   return r;
 }
+/// m, of a proxy: a quarter of its smaller radius, up to which pinched cloth may be inside it. Nearer to the axis it would come
+/// out on the other side.
+template <class T> inline T deepest_in(const CapsuleShape<T> &shape) {
+  return T(0.25f) * lane_min(shape.radius, shape.radius - shape.slope * shape.length);
+}
 /// One vertex against a proxy, or of one simulation a row of them.
 template <class T> using ContactOf = CapsuleContact<Side<T>, kSide<T>>;
 
@@ -150,6 +155,24 @@ inline void add_contact(const LaneModel &m, const ContactOf<T> &found, M lanes, 
   }
 }
 
+/// Points outside a proxy, `gap` from it, that go from `from` to `to`: sets what a contact keeps of where they enter it, or come
+/// to be. Which do enter it, or come within `margin`?
+template <class S, class Contact, class M>
+inline M enter(const CapsuleMotion<S> &m, const Vec3<S> &from, const Vec3<S> &to, S thickness, S gap, S margin, M outside,
+               Contact &contact) {
+  const Vec3<S> q0 = m.carry(from), way = to - q0;
+  const auto moves = thickness - gap + lane_sqrt(dot(way, way)) > S(0);
+  const S t = entry_time(m.end, q0, to, thickness, outside & moves);
+  const auto enters = t <= S(1);
+  const Vec3<S> q = select(enters, q0 + t * way, to);
+  const Distance<S> d = capsule_distance(m.end, q);
+  contact.reference = select(outside, d.normal, contact.reference);
+  contact.plane = select(outside, dot(d.normal, q) - (d.value - thickness), contact.plane);
+  // One that has not met the proxy may yet slide a quarter round it.
+  contact.min_agreement = select(outside & !enters, S(0), contact.min_agreement);
+  return outside & (enters | (d.value <= margin));
+}
+
 /// Vertices that enter a proxy during the step from x to p, or are near one at either end. Everything is seen from the moving
 /// proxy: a leg that jumps a quarter of a metre between frames sweeps the cloth that stood before it along. A vertex that starts
 /// inside is moved out by at most `opening`. give: m, how much nearer than the thickness each may come. ways: the boxes of the
@@ -162,11 +185,12 @@ inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMot
   const S margin(model.thickness + kNear), most(opening);
   for (int k = 0; k < capsules.size(); ++k) {
     const CapsuleMotion<S> &m = in_all_lanes<S>(capsules[k]);
+    const S most_give = S(model.thickness) + deepest_in(m.end);
     int taken = kRow;
     const auto bring = [&](const int *places, const int *vertices, auto lanes) {
       Vec3<S> xi = points_at<T>(x.data(), vertices), pi = points_at<T>(p.data(), vertices);
       const Distance<S> start = capsule_distance(m.start, xi);
-      const S less = values_at<T>(give.data(), vertices), thickness = S(model.thickness) - less;
+      const S less = lane_min(values_at<T>(give.data(), vertices), most_give), thickness = S(model.thickness) - less;
       const S depth = thickness - start.value;
       const auto inside = lanes & (depth > S(0)), outside = lanes & (depth <= S(0));
       ContactOf<T> contact{k, {}, S(0), less, m.rotate(start.normal), S(0), S(kMinAgreement), S(0)};
@@ -182,17 +206,8 @@ inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMot
         for_each_side<T>(inside, [&](int l) { ways.replace(places[l], box_around<T>(x[vertices[l]], p[vertices[l]])); });
       }
       if (any(outside)) {
-        const Vec3<S> q0 = m.carry(xi), way = pi - q0;
-        const auto moves = depth + lane_sqrt(dot(way, way)) > S(0);
-        const S t = entry_time(m.end, q0, pi, thickness, outside & moves);
-        const auto enters = t <= S(1);
-        const Vec3<S> q = select(enters, q0 + t * way, pi);
-        const Distance<S> d = capsule_distance(m.end, q);
-        contact.reference = select(outside, d.normal, contact.reference);
-        contact.plane = select(outside, dot(d.normal, q) - (d.value - thickness), contact.plane);
-        // One that has not met the proxy may yet slide a quarter round it.
-        contact.min_agreement = select(outside & !enters, S(0), contact.min_agreement);
-        lanes = inside | (outside & (enters | (start.value <= margin) | (d.value <= margin)));
+        const auto near = outside & (start.value <= margin);
+        lanes = inside | near | enter(m, xi, pi, thickness, start.value, margin, outside, contact);
       }
       if (!any(lanes))
         return;

@@ -33,6 +33,23 @@ inline void project_soft_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T
   b = neg_mul_add(s * share_b, d, b);
 }
 
+/// The same, of stretches alone that are longer than their force so far asks for, by more than `slack` times their length at
+/// rest: that much stays. Which were?
+template <class T>
+inline auto project_violated_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T rest_length, T compliance, T slack,
+                                     T &multiplier) {
+  const Vec3<T> d = a - b;
+  const T square = dot(d, d), most = rest_length - compliance * multiplier + slack * rest_length;
+  const auto over = square > most * most;
+  if (any(over)) {
+    const T length = lane_sqrt(square), change = (most - length) / (T(1) + compliance), s = change / length;
+    multiplier = select(over, multiplier + change, multiplier);
+    a = select(over, mul_add(s * share_a, d, a), a);
+    b = select(over, neg_mul_add(s * share_b, d, b), b);
+  }
+  return over;
+}
+
 /// A bend's inverse masses, divided by the largest of the four, and its rest values.
 template <class S> struct BendRest {
   S w0, w1, w2, w3;
@@ -192,13 +209,13 @@ template <class T, int n = 1> struct CapsuleContact {
   T min_agreement;   ///< least cosine between closest normal and reference
   T touched;         ///< 1 once the contact has pushed
 };
-/// shape: one for all lanes (S = float) or one a lane (S = T).
-template <class S, class T, int n>
-inline void project_capsule(Vec3<T> &p, CapsuleContact<T, n> &contact, const CapsuleShape<S> &shape, T thickness) {
+/// shape: one for all lanes (S = float) or one a lane (S = T). where: in these lanes.
+template <class S, class T, int n, class M>
+inline void project_capsule(Vec3<T> &p, CapsuleContact<T, n> &contact, const CapsuleShape<S> &shape, T thickness, M where) {
   const Distance<T> d = capsule_distance(shape, p);
   const auto past = dot(d.normal, contact.reference) < contact.min_agreement;
   const T gap = select(past, dot(p, contact.reference) - contact.plane, d.value - (thickness - contact.slack));
-  const auto pushes = (gap < T(0)) & (contact.active > T(0));
+  const auto pushes = (gap < T(0)) & (contact.active > T(0)) & where;
   p = select(pushes, neg_mul_add(gap, select(past, contact.reference, d.normal), p), p);
   contact.touched = select(pushes, T(1), contact.touched);
 }

@@ -2,6 +2,7 @@
 // The step of Stoll et al. 2010, Sect. 6, for as many simulations as T has lanes. One lane (T = float) is the reference; every
 // lane of every width gives its bits.
 
+#include "edge_points.h"
 #include "pinches.h"
 #include "self_collision.h"
 
@@ -11,8 +12,9 @@ inline namespace DOUBLET_PBD_ISA {
 constexpr float kMaxSpeed =
     100; ///< m/s, safety clamp: four times what a person's hand can do, three times a falling skydiver's speed
 constexpr float kDepenetrationSpeed = 1; ///< m/s at which a penetration that the start brought along is opened
+constexpr float kViolated = 0.1f;        ///< of its length, by which the sweeps may leave a stretch too long, where edges collide
 constexpr float kLongest = 2;            ///< times its length at rest that cloth may be, where edges collide
-constexpr int kLimitSweeps = 20;         ///< at most, in a substep
+constexpr int kLimitSweeps = 20;         ///< at most for either, in a substep
 constexpr float kPulledOff = 5e-4f;      ///< m beyond the thickness at which a contact no longer rubs
 
 template <class T> class LaneSolver final : public LaneGroup {
@@ -67,13 +69,17 @@ public:
     if (m_.edge_collision)
       pinches_.find(m_, capsules_, x_, boxes_);
     find_capsule_contacts(m_, capsules_, x_, p_, opening, pinches_.give(), boxes_, contacts_);
-    if (m_.edge_collision) // so that the cloth meets itself on the way to where the proxies push it
-      project_capsules();
+    if (m_.edge_collision) {
+      edge_points_.find(m_, capsules_, x_, p_, pinches_.give());
+      project_capsules(); // so that the cloth meets itself on the way to where the proxies push it
+    }
     self_contacts_.clear();
     edge_contacts_.clear();
     if (m_.self_collision)
       self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_, edge_contacts_);
     iterate();
+    if (m_.edge_collision && m_.compliant)
+      finish_stretches();
     push_out_strays(m_, capsules_, contacts_, p_, boxes_, watched_);
     if (m_.edge_collision)
       limit_stretch();
@@ -216,35 +222,59 @@ private:
     for (EdgeContact<T> &c : edge_contacts_)
       project_edges<T>(p_[c.a], p_[c.b], p_[c.c], p_[c.d], c);
   }
-  void project_capsules() {
+  void project_capsules() { project_capsules(T(0) <= T(0)); }
+  template <class M> void project_capsules(M where) {
     for (ContactOf<T> &c : contacts_) {
       Vec3<Side> at = points_at(c.vertex);
-      project_capsule(at, c, capsules_[c.capsule].end, Side(m_.thickness));
+      project_capsule(at, c, capsules_[c.capsule].end, Side(m_.thickness), on_each_side(where));
       move_points(c.vertex, at);
     }
+    edge_points_.project(capsules_, p_, where);
+  }
+  /// Lanes of what goes side by side; of a single simulation, which is not asked where it is not, all.
+  template <class M> static auto on_each_side([[maybe_unused]] M where) {
+    if constexpr (kSingle)
+      return Side(0) <= Side(0);
+    else
+      return where;
   }
 
   template <bool compliant> void stretch() {
     const Side k(s_.k_stretch), relaxation(m_.over_relaxation);
+    project_stretches([&](int at, Vec3<Side> &a, Vec3<Side> &b, Side share_a, Side share_b, Side length) {
+      if constexpr (compliant) {
+        Side multiplier = side_at(stretch_multipliers_, at);
+        project_soft_stretch(a, b, share_a, share_b, length, k, relaxation, multiplier);
+        put_side(multiplier, stretch_multipliers_, at);
+      } else
+        project_stretch(a, b, share_a, share_b, length, k);
+      return true;
+    });
+  }
+  /// Calls project(place of the multipliers, both ends, their shares, length at rest) for as many stretches at a time as go side
+  /// by side; it says whether it moved them. Did it ever?
+  template <class Project> bool project_stretches(const Project &project) {
+    bool moved = false;
     for (int i = 0; i < m_.stretch_block_count; ++i) {
       const StretchBlock &block = m_.stretch_blocks[i];
       for (int first = 0; first < block.count; first += kSide) {
         Vec3<Side> a = points_at(block.v[0] + first), b = points_at(block.v[1] + first);
         const Side share_a = value_of(block.share[0] + first), share_b = value_of(block.share[1] + first);
-        const Side length = value_of(block.length + first);
-        if constexpr (compliant) {
-          T *const from = &stretch_multipliers_[kBlock * i + first];
-          Side multiplier;
-          __builtin_memcpy(&multiplier, from, sizeof multiplier);
-          project_soft_stretch(a, b, share_a, share_b, length, k, relaxation, multiplier);
-          __builtin_memcpy(from, &multiplier, sizeof multiplier);
-        } else
-          project_stretch(a, b, share_a, share_b, length, k);
+        if (!project(kBlock * i + first, a, b, share_a, share_b, value_of(block.length + first)))
+          continue;
         move_points(block.v[0] + first, a);
         move_points(block.v[1] + first, b);
+        moved = true;
       }
     }
+    return moved;
   }
+  static Side side_at(const Array<T> &values, int at) {
+    Side side;
+    __builtin_memcpy(&side, &values[at], sizeof side);
+    return side;
+  }
+  static void put_side(const Side &side, Array<T> &values, int at) { __builtin_memcpy(&values[at], &side, sizeof side); }
   Vec3<Side> points_at(const int *v) const { return pbd::points_at<T>(p_.data(), v); }
   void move_points(const int *v, const Vec3<Side> &to) { pbd::move_points<T>(p_.data(), v, to); }
   static Side value_of(const float *values) {
@@ -254,27 +284,43 @@ private:
       return Side(*values);
   }
 
-  /// Cloth that the body drags off faster than it can follow goes through the body rather than become longer than that (Provot
-  /// 1995). What is left after the sweeps stays. Ordinary cloth never is so long, and keeps its bits.
-  void limit_stretch() {
-    bool again = true;
-    for (int sweep = 0; sweep < kLimitSweeps && again; ++sweep) {
-      again = false;
-      for (int i = 0; i < m_.stretch_block_count; ++i) {
-        const StretchBlock &block = m_.stretch_blocks[i];
-        for (int first = 0; first < block.count; first += kSide) {
-          const Vec3<Side> a = points_at(block.v[0] + first), b = points_at(block.v[1] + first), d = a - b;
-          const Side square = dot(d, d), most = Side(kLongest) * value_of(block.length + first);
-          const auto over = square > most * most;
-          if (!any(over))
-            continue;
-          const Side shorter = Side(1) - most / lane_sqrt(square);
-          move_points(block.v[0] + first, select(over, a - (value_of(block.share[0] + first) * shorter) * d, a));
-          move_points(block.v[1] + first, select(over, b + (value_of(block.share[1] + first) * shorter) * d, b));
-          again = true;
-        }
-      }
+  /// Where the body drags cloth off faster than the sweeps can bring it along, stretches that are violated by more than a tenth
+  /// are swept on (Provot 1995), for triangles that are drawn out slip over a thin proxy. What is left after so many sweeps
+  /// stays. Other cloth keeps its bits.
+  void finish_stretches() {
+    for (int sweep = 0; sweep < kLimitSweeps; ++sweep) {
+      const auto were = project_violated_stretches();
+      if (!any(were))
+        return;
+      project_capsules(were);
     }
+  }
+  /// In which lanes there were any.
+  auto project_violated_stretches() {
+    auto were = T(0) < T(0);
+    project_stretches([&](int at, Vec3<Side> &a, Vec3<Side> &b, Side share_a, Side share_b, Side length) {
+      Side multiplier = side_at(stretch_multipliers_, at);
+      const auto over = project_violated_stretch(a, b, share_a, share_b, length, Side(s_.k_stretch), Side(kViolated), multiplier);
+      if (!any(over))
+        return false;
+      put_side(multiplier, stretch_multipliers_, at);
+      if constexpr (kSingle)
+        were = true;
+      else
+        were = were | over;
+      return true;
+    });
+    return were;
+  }
+
+  /// Cloth that is still far too long goes through the body instead.
+  void limit_stretch() {
+    const auto shorten = [](int, Vec3<Side> &a, Vec3<Side> &b, Side share_a, Side share_b, Side length) {
+      Side no_force(0);
+      return any(project_violated_stretch(a, b, share_a, share_b, length, Side(0), Side(kLongest - 1), no_force));
+    };
+    for (int sweep = 0; sweep < kLimitSweeps && project_stretches(shorten);)
+      ++sweep;
   }
 
   /// For many lanes two bends of a block go through each stage in turn, so that the processor has one to work at while the other
@@ -315,11 +361,9 @@ private:
   }
   template <bool compliant> Side bend_multiplier_of(const BendTerms<Side> &terms, const BendRest<Side> &rest, int block, int j) {
     if constexpr (compliant) {
-      T *const from = &bend_multipliers_[kBlock * block + j];
-      Side multiplier;
-      __builtin_memcpy(&multiplier, from, sizeof multiplier);
+      Side multiplier = side_at(bend_multipliers_, kBlock * block + j);
       const Side move = soft_bend_multiplier(terms, rest.response, Side(s_.k_bend), Side(s_.bend_relaxation), multiplier);
-      __builtin_memcpy(from, &multiplier, sizeof multiplier);
+      put_side(multiplier, bend_multipliers_, kBlock * block + j);
       return move;
     } else
       return bend_multiplier(terms, Side(s_.k_bend));
@@ -426,8 +470,9 @@ private:
   Array<EdgeContact<T>> edge_contacts_;
   Knots<T> knots_;
   Pinches<T> pinches_;
-  VertexBoxes<T> boxes_; ///< for a while
-  Array<T> watched_;     ///< see push_out_strays
+  EdgePoints<T> edge_points_; ///< where edges collide, else none
+  VertexBoxes<T> boxes_;      ///< for a while
+  Array<T> watched_;          ///< see push_out_strays
   SelfCollision<T> self_collision_;
   Array<T> stretch_multipliers_, bend_multipliers_;
   T zero_;
