@@ -457,6 +457,30 @@ TEST(Retarget, UnknownSkeletonSaysWhatIsMissing) {
   EXPECT_THROW(retarget(parse_bvh(kTwoBones, "arm.bvh"), figure_skeleton(), bad), std::invalid_argument);
 }
 
+TEST(Retarget, BonesHaveALength) {
+  const Skeleton skeleton = figure_skeleton();
+  const SourceMotion clip = parse_bvh(figure_bvh(skeleton, marching(skeleton, 4, 40), 1, 40), "a.bvh");
+  RetargetOptions options = alone();
+  options.joint_names = {{"l_wrist", "l_elbow"}, {"l_hand", ""}};
+  try {
+    retarget(clip, skeleton, options);
+    ADD_FAILURE();
+  } catch (const Error &error) {
+    EXPECT_EQ(std::string(error.what()),
+              "a.bvh: expected l_elbow and l_wrist at two places, found 'l_elbow' and 'l_elbow' at one");
+  }
+}
+
+TEST(Retarget, AStartBehindTheClipIsRefused) {
+  const Skeleton skeleton = figure_skeleton();
+  const SourceMotion clip = parse_bvh(figure_bvh(skeleton, marching(skeleton, 4, 40), 1, 40), "a.bvh");
+  for (const double second : {1.0, 1e8, 1e9}) { // times the rate more than an int holds
+    RetargetOptions options = alone();
+    options.first_second = second;
+    EXPECT_THROW(retarget(clip, skeleton, options), Error) << second;
+  }
+}
+
 TEST(Motion, ResamplingKeepsTheEnds) {
   const Skeleton skeleton = figure_skeleton();
   const Motion motion{120, marching(skeleton, 61, 120)};

@@ -68,9 +68,59 @@ def test_joints_of_the_skin_in_metres_relative_to_how_they_rest(tmp_path):
     np.testing.assert_allclose(np.abs(clip.rotations[12][2]), [QUARTER, 0, QUARTER, 0], atol=1e-6)  # about +Y of the world
 
 
-def test_without_a_skin_what_turns_is_a_joint(tmp_path):
+def test_without_a_skin_what_turns_is_a_joint_and_what_hangs_on_it(tmp_path):
     clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm(skins=[])))
-    assert clip.joint_names in (["elbow"], ["lamp"])  # trees of one size
+    assert clip.joint_names == ["elbow", "wrist"]  # of two that turn, the lamp being the other, the first
+    turns = [(node, "rotation", [0, 1], [NONE, ABOUT_Z], "LINEAR") for node in (1, 3)]
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm(skins=[], tracks=turns)))
+    assert clip.joint_names == ["shoulder", "elbow", "wrist"]  # the elbow is still: exporters leave its track out
+
+
+@pytest.mark.parametrize("extension", ["VRMC_vrm", "VRMC_vrm_animation"])
+def test_vrm_says_which_bone_is_which(tmp_path, extension):
+    bones = {"leftUpperArm": {"node": 1}, "leftLowerArm": {"node": 2}, "leftHand": {"node": 3}}
+
+    def say(gltf):
+        gltf["extensions"] = {extension: {"humanoid": {"humanBones": bones}}}
+
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.vrma", **arm(skins=[], change=say)))
+    found = {match.part: clip.joint_names[match.joint] for match in d.explain_match(clip) if match.joint >= 0}
+    assert found == {"l_shoulder": "shoulder", "l_elbow": "elbow", "l_wrist": "wrist"}
+
+
+@pytest.mark.parametrize(
+    "mirrored",
+    [
+        {"scale": [-0.01, 0.01, 0.01]},
+        {"scale": [0.01, 0.01, -0.01]},
+        {"matrix": np.diag([-0.01, 0.01, 0.01, 1]).ravel().tolist()},
+    ],
+)
+def test_what_hangs_on_a_mirrored_node_turns_the_other_way(tmp_path, mirrored):
+    """By the definition of a joint's rotation: it takes the bones of the zero pose to those of the pose."""
+    parts = arm()
+    parts["nodes"][0] = {"name": "Armature", "children": [1], **mirrored}
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **parts))
+    assert abs(clip.positions[12][2][1] - clip.positions[12][1][1]) > 0.2
+    w, *v = clip.rotations[12][1]
+    turned = clip.offsets[2] + 2 * np.cross(v, np.cross(v, clip.offsets[2]) + w * clip.offsets[2])
+    np.testing.assert_allclose(clip.positions[12][2] - clip.positions[12][1], turned, atol=1e-6)
+
+
+def test_steps_are_at_the_times_of_their_keys(tmp_path):
+    """Key times are floats, every second of which is a little late."""
+    count = 60
+    heights = [[0, 0, 100 * t] for t in range(count)]
+    track = (1, "translation", np.arange(count) / 30, heights, "STEP")
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm(tracks=[track])))
+    np.testing.assert_allclose([places[0][1] for places in clip.positions], np.arange(count), atol=1e-4)
+
+
+def test_pictures_elsewhere_do_not_matter_to_a_motion(tmp_path):
+    def textured(gltf):
+        gltf["images"] = [{"uri": "shirt.png"}]
+
+    assert d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm(change=textured))).frame_count == 25
 
 
 def test_the_three_ways_between_keys(tmp_path):

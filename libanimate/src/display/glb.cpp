@@ -210,8 +210,8 @@ Reader::Reader(const std::filesystem::path &path) : source_(path.string()), cont
   require_shallow_json(text, source_);
   try {
     gltf_ = json::parse(text);
-    refuse_outside("buffers");
-    refuse_outside("images");
+    for (const json &buffer : gltf_.value("buffers", json::array()))
+      refuse_outside("buffers", buffer);
   } catch (const json::exception &problem) {
     fail(std::string("expected a binary glTF 2.0 file, found: ") + problem.what());
   }
@@ -233,11 +233,10 @@ std::string_view Reader::chunk(std::size_t at, std::uint32_t type, const char *n
   return std::string_view(content_).substr(at + kChunkBytes, word(at));
 }
 
-void Reader::refuse_outside(const char *list) const {
-  for (const json &entry : gltf_.value(list, json::array()))
-    if (entry.contains("uri"))
-      fail(std::string("expected all data inside the file, found ") + list + " with the URI " +
-           entry.at("uri").dump(-1, ' ', true).substr(0, 60));
+void Reader::refuse_outside(const char *list, const json &entry) const {
+  if (entry.contains("uri"))
+    fail(std::string("expected all data inside the file, found ") + list + " with the URI " +
+         entry.at("uri").dump(-1, ' ', true).substr(0, 60));
 }
 
 const json &Reader::entry(const char *list, const json &index) const {
@@ -386,7 +385,9 @@ Faces Reader::faces(int accessor) const {
 }
 
 std::vector<std::uint8_t> Reader::image(int index) const try {
-  const std::string_view bytes = view(entry("images", index).at("bufferView"));
+  const json &image = entry("images", index);
+  refuse_outside("images", image);
+  const std::string_view bytes = view(image.at("bufferView"));
   return {bytes.begin(), bytes.end()};
 } catch (const json::exception &problem) {
   fail("image " + std::to_string(index) + " is malformed: " + problem.what());

@@ -76,7 +76,7 @@ public:
 private:
   std::uint32_t word(std::size_t at) const;
   std::string_view chunk(std::size_t at, std::uint32_t type, const char *name) const;
-  void refuse_outside(const char *list) const;
+  void refuse_outside(const char *list, const nlohmann::json &entry) const;
   const nlohmann::json &entry(const char *list, const nlohmann::json &index) const;
   std::size_t size(const nlohmann::json &object, const char *key) const;
   std::string_view view(const nlohmann::json &index) const;

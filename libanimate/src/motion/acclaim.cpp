@@ -329,11 +329,12 @@ std::filesystem::path skeleton_beside(const std::filesystem::path &amc) {
 SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton,
                               const std::string &animation) {
   const std::string extension = lower(path.extension().string());
-  if (!animation.empty() && extension != ".glb")
+  const bool gltf = extension == ".glb" || extension == ".vrm" || extension == ".vrma";
+  if (!animation.empty() && !gltf)
     throw Error(path.string() + ": expected a .glb, which can have several animations, to choose '" + animation + "' of");
   if (extension == ".bvh")
     return parse_bvh(read_text(path), path.string());
-  if (extension == ".glb")
+  if (gltf)
     return read_gltf_motion(path, animation);
   if (extension != ".amc")
     throw Error(path.string() + ": expected a motion file .bvh, .amc or .glb, found '" + extension + "'");

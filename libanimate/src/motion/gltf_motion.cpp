@@ -24,6 +24,7 @@ using nlohmann::json;
 constexpr double kFewestKeys = 24, kMostKeys = 240; // 1/s at which a clip is sampled, whatever its keys
 constexpr std::size_t kMostSkins = 1000;
 constexpr double kMostKeysInFile = 5e7; // several tracks may name the same keys
+constexpr double kRounding = 1e-4;      // s, by which key times, which are floats, may be off
 constexpr double kStill = 1e-3;         // by which a component of a quaternion, or of a place (m), may vary
 constexpr double kMovesTheBody = 0.5;   // of the nodes that the liveliest animation turns
 
@@ -46,7 +47,8 @@ struct Track {
 
   Eigen::VectorXd at(double time) const {
     const std::vector<float> &times = *times_of;
-    const auto next = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
+    const double from = between == Between::Step ? time + kRounding : time;
+    const auto next = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), from) - times.begin());
     if (next == 0 || next == times.size() || between == Between::Step)
       return key(next == 0 ? 0 : next - 1);
     const double gap = static_cast<double>(times[next]) - times[next - 1], s = (time - times[next - 1]) / gap;
@@ -205,8 +207,9 @@ private:
       for (int r = 0; r < 3; ++r)
         linear(r, c) = m.at(4 * c + r).get<double>();
     node.translation = {m.at(12).get<double>(), m.at(13).get<double>(), m.at(14).get<double>()};
-    node.scale = linear.colwise().norm().transpose();
-    const Eigen::Matrix3d turned = linear * node.scale.cwiseMax(1e-30).cwiseInverse().asDiagonal();
+    const double side = linear.determinant() < 0 ? -1 : 1; // mirrored
+    node.scale = side * linear.colwise().norm().transpose();
+    const Eigen::Matrix3d turned = linear * (side * node.scale.cwiseAbs().cwiseMax(1e-30)).cwiseInverse().asDiagonal();
     node.rotation = Quaterniond(turned).normalized();
   }
 
@@ -225,10 +228,10 @@ private:
       reader_.fail("expected nodes that hang on roots, found a circle");
   }
 
-  /// Of VRM: "humanBones" is a list of bones with their nodes in 0.x, an object by bones in 1.0.
+  /// Of VRM: "humanBones" is a list of bones with their nodes in 0.x, an object by bones in 1.0 and in animations.
   void read_parts() {
     const json extensions = reader_.gltf().value("extensions", json::object());
-    for (const char *name : {"VRM", "VRMC_vrm"}) {
+    for (const char *name : {"VRM", "VRMC_vrm", "VRMC_vrm_animation"}) {
       const json bones = extensions.value(name, json::object()).value("humanoid", json::object()).value("humanBones", json());
       std::map<std::string, json> nodes;
       for (const auto &[key, bone] : bones.items())
@@ -395,9 +398,7 @@ private:
     return common >= 0 && !nodes_[common].tracks.empty();
   }
 
-  /// The joints of the skin with the most of them and of all that belong to its body. A file has one skin a mesh: for the eyes, a
-  /// shirt, the lower half.
-  std::vector<bool> skinned() const {
+  std::vector<Group> skins() const {
     std::vector<Group> groups;
     for (const json &skin : reader_.gltf().value("skins", json::array())) {
       std::vector<bool> chosen(nodes_.size(), false);
@@ -408,8 +409,32 @@ private:
       if (groups.size() > kMostSkins)
         reader_.fail("expected at most " + std::to_string(kMostSkins) + " skins, found more");
     }
+    return groups;
+  }
+
+  /// Of a file without a skin: nodes that turn, or are said to be a human's, each with those that hang on it.
+  std::vector<Group> moving() const {
+    std::vector<Group> groups;
+    std::vector<int> group_of(nodes_.size(), -1);
+    for (int node : order_) {
+      int &group = group_of[node];
+      group = nodes_[node].parent < 0 ? -1 : group_of[nodes_[node].parent];
+      if (!nodes_[node].tracks.count("rotation") && nodes_[node].part.empty())
+        continue;
+      if (group < 0) {
+        group = static_cast<int>(groups.size());
+        groups.push_back({{}, node});
+      }
+      groups[group].nodes.insert(node);
+    }
+    return groups;
+  }
+
+  /// The largest group and all that belong to its body. A file has one skin a mesh: for the eyes, a shirt, the lower half.
+  std::vector<bool> body_of(std::vector<Group> groups) const {
     std::stable_sort(groups.begin(), groups.end(),
                      [](const Group &a, const Group &b) { return a.nodes.size() > b.nodes.size(); });
+    groups.resize(std::min(groups.size(), kMostSkins));
     std::vector<bool> chosen(nodes_.size(), false);
     Group body = groups.empty() ? Group{} : groups[0];
     for (std::size_t before = 0; body.nodes.size() > before;) {
@@ -426,15 +451,11 @@ private:
     return chosen;
   }
 
-  /// The skin's joints and what hangs on them and draws nothing: ends, and bones that carry no vertex. Without a skin what turns;
-  /// of several trees the largest.
+  /// The body's joints and what hangs on them and draws nothing: ends, and bones that carry no vertex, or do not turn.
   void choose_joints() {
-    is_joint_ = skinned();
-    const bool skin = !reader_.gltf().value("skins", json::array()).empty();
+    is_joint_ = body_of(reader_.gltf().value("skins", json::array()).empty() ? moving() : skins());
     for (int node : order_)
-      is_joint_[node] = skin
-                            ? is_joint_[node] || (nodes_[node].parent >= 0 && is_joint_[nodes_[node].parent] && nodes_[node].bone)
-                            : nodes_[node].tracks.count("rotation") > 0;
+      is_joint_[node] = is_joint_[node] || (nodes_[node].parent >= 0 && is_joint_[nodes_[node].parent] && nodes_[node].bone);
     above_.assign(nodes_.size(), -1);
     std::map<int, int> size;
     std::vector<int> root(nodes_.size(), -1);
@@ -496,18 +517,22 @@ private:
   void world(const double *time, std::vector<Affine3d> &place, std::vector<Quaterniond> &turned) const {
     place.resize(nodes_.size());
     turned.resize(nodes_.size());
+    std::vector<Vector3d> sides(nodes_.size()); // of its axes: -1 = mirrored
     for (int i : order_) {
       const Node &node = nodes_[i];
+      const Vector3d side = node.parent < 0 ? Vector3d::Ones() : sides[node.parent];
       const auto at = [&](const char *path) { return time ? node.tracks.find(path) : node.tracks.end(); };
       const auto translation = at("translation"), rotation = at("rotation"), scale = at("scale");
       const auto none = node.tracks.end();
       const Vector3d moved = translation == none ? node.translation : Vector3d(translation->second.at(*time));
       const Vector3d scaled = scale == none ? node.scale : Vector3d(scale->second.at(*time));
-      const Quaterniond q =
+      Quaterniond q =
           rotation == none ? node.rotation : direction(Quaterniond(Eigen::Vector4d(rotation->second.at(*time))), node.name);
       const Affine3d local = Eigen::Translation3d(moved) * q * Eigen::Scaling(scaled);
       place[i] = node.parent < 0 ? local : place[node.parent] * local;
+      q.vec() = side.prod() * side.cwiseProduct(q.vec()); // what hangs on mirrored axes turns the other way
       turned[i] = node.parent < 0 ? q : turned[node.parent] * q;
+      sides[i] = side.cwiseProduct(scaled.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; }));
     }
   }
 

@@ -73,6 +73,7 @@ public:
     const Vertices zero = clip.zero_positions();
     for (Eigen::Index j = 0; j < zero.rows(); ++j)
       zero_.push_back(zero.row(j));
+    require_bones();
     align_worlds();
     align_bones();
   }
@@ -164,9 +165,19 @@ private:
     return sum / 2;
   }
 
+  /// Thighs, shins, upper arms and forearms that have a length: a map of bones may name one joint twice.
+  void require_bones() const {
+    if (!(leg_length_target() > 0))
+      throw Error("skeleton: expected legs with a length, found none");
+    for (const std::string side : {"l_", "r_"})
+      for (const auto &[begin, end] : {std::pair{"hip", "knee"}, {"knee", "ankle"}, {"shoulder", "elbow"}, {"elbow", "wrist"}})
+        if (source_at(side + begin, 0) == source_at(side + end, 0))
+          throw Error(clip_.source + ": expected " + side + begin + " and " + side + end + " at two places, found '" +
+                      clip_.joints[source_.at(side + begin)].name + "' and '" + clip_.joints[source_.at(side + end)].name +
+                      "' at one");
+  }
+
   void align_worlds() {
-    if (!(leg_length_source() > 0) || !(leg_length_target() > 0))
-      throw Error(clip_.source + ": expected legs with a length, found none");
     target_frame_ = body_frame(target_rest("l_hip") - target_rest("r_hip"), Vector3d::UnitY());
     const Vector3d zero_up = nearest_axis(source_zero("chest") - source_zero("pelvis"));
     const Matrix3d zero_frame = body_frame(source_zero("l_hip") - source_zero("r_hip"), zero_up);
@@ -206,8 +217,8 @@ private:
     else
       align_by_clip();
     for (const std::string side : {"l_", "r_"}) // a file without hand ends: the hand is aligned as the forearm is
-      if (!bones_.count(side + "wrist"))
-        bones_[side + "wrist"] = bones_.at(side + "elbow");
+      if (const auto forearm = bones_.find(side + "elbow"); forearm != bones_.end())
+        bones_.emplace(side + "wrist", forearm->second);
   }
 
   void align_by_zero_pose() {
@@ -358,9 +369,11 @@ SourceMotion cut(const SourceMotion &clip, int first, int last) {
 }
 
 SourceMotion chosen_frames(const SourceMotion &clip, const RetargetOptions &options, const Context &context) {
-  int first = static_cast<int>(std::lround(options.first_second * clip.fps));
-  const int last =
-      static_cast<int>(std::min<double>(std::lround(std::min(options.last_second, 1e6) * clip.fps), clip.frame_count() - 1));
+  const auto frame_at = [&](double second) {
+    return static_cast<int>(std::min<double>(std::round(second * clip.fps), clip.frame_count()));
+  };
+  int first = frame_at(options.first_second);
+  const int last = std::min(frame_at(options.last_second), clip.frame_count() - 1);
   if (first > last)
     throw Error(clip.source + ": expected frames between " + options::to_text(options.first_second) + " s and " +
                 options::to_text(options.last_second) + " s, found a clip of " +

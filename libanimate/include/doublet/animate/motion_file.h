@@ -47,14 +47,14 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
                            const std::string &amc_source, double fps = 120);
 
 /// An animation of a .glb by its name or its number from 1; without either, the first that moves the body: that turns at least
-/// half as many nodes as the one that turns the most. On the joints of its skins that hang together, with the nodes between
-/// them and those below that draw nothing; without a skin, on the nodes that it turns. The zero pose is how the nodes stand when
+/// half as many nodes as the one that turns the most. On the joints of its skins that hang together, or without a skin on the
+/// nodes that it turns or that VRM names, with the nodes between them and those below that draw nothing. The zero pose is how the nodes stand when
 /// nothing plays, lengths are metres. Sampled as often as the track with the most keys, within 24 to 240 1/s. Throws Error
 /// naming the file where it is broken, refers to other files, has no such animation, more than 10,000 joints, or more than 2e7
 /// poses of nodes; FileNotFound.
 SourceMotion read_gltf_motion(const std::filesystem::path &path, const std::string &animation = {});
 
-/// By extension, .bvh, .amc or .glb. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or
+/// By extension, .bvh, .amc or .glb, which .vrm and .vrma are, too. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or
 /// with the longest stem that its own begins with. `animation` as above, of a .glb alone. Throws FileNotFound, or Error naming
 /// the file.
 SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {},
