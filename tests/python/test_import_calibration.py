@@ -92,6 +92,39 @@ def test_cameras_can_be_written_as_they_are(tmp_path):
         assert not read.lens.needs_undistortion
 
 
+def test_metashape_places_components_and_has_folders(tmp_path):
+    """As version 2 writes it. cam2 was not aligned with the others."""
+    path, _ = calibrations.write_all(tmp_path)["metashape"]
+    before, text = d.read_calibration(path), path.read_text().replace('sensor_id="0" ', 'sensor_id="0" component_id="0" ')
+    transform = text[text.rindex("<transform><rotation>") : text.rindex("</chunk>")]
+    text = text.replace(transform, "").replace(
+        "</sensors>", f'</sensors><components><component id="0">{transform}</component></components>'
+    )
+    first = text[text.index("<cameras>") + 9 : text.index("</camera>") + 9]
+    apart = first.replace('component_id="0"', 'component_id="1"').replace("cam0", "cam2")
+    text = text.replace(first, f'<group id="0" type="folder">{first}{apart}</group>')
+    path.write_text(text)
+    said = []
+    cameras = d.read_calibration(path, context=d.Context(log=said.append))
+    assert [c.camera.name for c in cameras] == ["cam0", "cam1"]
+    for now, then in zip(cameras, before):
+        np.testing.assert_allclose(now.camera.R, then.camera.R, atol=1e-12)
+        np.testing.assert_allclose(now.camera.t, then.camera.t, atol=1e-12)
+    assert len(said) == 2 and "camera 'cam2.jpg' was not aligned with most of the others" in said[0]
+
+
+@pytest.mark.parametrize(("flag", "fisheye"), [("1", True), ("true", True), ("0", False), ("false", False), ("maybe", None)])
+def test_a_fisheye_says_so(tmp_path, flag, fisheye):
+    path, files = calibrations.write_all(tmp_path)["opencv"]
+    for file in files:
+        file.write_text(file.read_text() + f"fisheye_model: {flag}\n")
+    if fisheye is None:
+        with pytest.raises(d.Error, match="expected fisheye_model to be 1 or 0, true or false, found 'maybe'"):
+            d.read_calibration(path)
+    else:
+        assert [c.lens.fisheye for c in d.read_calibration(path)] == [fisheye, fisheye]
+
+
 # --- Blender
 
 

@@ -5,6 +5,7 @@
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -64,16 +65,16 @@ CalibratedCamera read_sensor(const pugi::xml_node &sensor, const std::string &wh
   return result;
 }
 
-/// The chunk in the world; scale 1 at the origin if it was not brought to one.
-struct ChunkPlace {
+/// A component of the chunk in the world; scale 1 at the origin if it was not brought to one.
+struct Place {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
   double scale = 1;
 };
 
-ChunkPlace read_place(const pugi::xml_node &chunk, const std::string &where) {
-  ChunkPlace place;
-  const pugi::xml_node node = chunk.child("transform");
+Place read_place(const pugi::xml_node &owner, const std::string &where) {
+  Place place;
+  const pugi::xml_node node = owner.child("transform");
   if (!node)
     return place;
   const std::vector<double> R = xml_numbers(node.child("rotation")), t = xml_numbers(node.child("translation"));
@@ -91,11 +92,42 @@ ChunkPlace read_place(const pugi::xml_node &chunk, const std::string &where) {
   return place;
 }
 
-void set_pose(CalibratedCamera &camera, const std::vector<double> &m, const ChunkPlace &chunk) {
+/// By component: cameras that were aligned with each other. Older files have one place, that of the chunk.
+std::map<std::string, Place> read_places(const pugi::xml_node &chunk, const std::string &where) {
+  std::map<std::string, Place> places{{"", read_place(chunk, where)}};
+  for (const pugi::xml_node &component : chunk.child("components").children("component"))
+    places[component.attribute("id").value()] = read_place(component.child("transform") ? component : chunk, where);
+  return places;
+}
+
+/// Those in folders, too.
+void add_cameras(const pugi::xml_node &folder, std::vector<pugi::xml_node> &cameras) {
+  for (const pugi::xml_node &node : folder.children())
+    if (std::strcmp(node.name(), "camera") == 0)
+      cameras.push_back(node);
+    else if (std::strcmp(node.name(), "group") == 0)
+      add_cameras(node, cameras);
+}
+
+std::string component_of(const pugi::xml_node &camera) {
+  return camera.attribute("component_id").value();
+}
+
+/// The component of most of the cameras that have a place.
+std::string largest_component(const std::vector<pugi::xml_node> &cameras) {
+  std::map<std::string, int> count;
+  for (const pugi::xml_node &camera : cameras)
+    count[component_of(camera)] += camera.child("transform") ? 1 : 0;
+  const auto most =
+      std::max_element(count.begin(), count.end(), [](const auto &a, const auto &b) { return a.second < b.second; });
+  return most == count.end() ? std::string() : most->first;
+}
+
+void set_pose(CalibratedCamera &camera, const std::vector<double> &m, const Place &place) {
   Eigen::Matrix3d R;
   R << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  const Eigen::Vector3d centre = chunk.scale * (chunk.R * Eigen::Vector3d(m[3], m[7], m[11])) + chunk.t;
-  camera.camera.R = (chunk.R * R).transpose();
+  const Eigen::Vector3d centre = place.scale * (place.R * Eigen::Vector3d(m[3], m[7], m[11])) + place.t;
+  camera.camera.R = (place.R * R).transpose();
   camera.camera.t = -camera.camera.R * centre;
 }
 
@@ -109,18 +141,26 @@ std::vector<CalibratedCamera> read_metashape_calibration(const fs::path &path, s
     throw Error(source + ": expected XML, found a syntax error at byte " + std::to_string(parsed.offset) + " (" +
                 parsed.description() + ")");
   const pugi::xml_node chunk = document.child("document").child("chunk");
-  const ChunkPlace place = read_place(chunk, source);
+  const std::map<std::string, Place> places = read_places(chunk, source);
   std::map<std::string, CalibratedCamera> sensors;
   for (const pugi::xml_node &sensor : chunk.child("sensors").children("sensor"))
     if (sensor.child("calibration"))
       sensors.emplace(sensor.attribute("id").value(),
                       read_sensor(sensor, source + ": sensor '" + sensor.attribute("id").value() + "'"));
+  std::vector<pugi::xml_node> nodes;
+  add_cameras(chunk.child("cameras"), nodes);
+  const std::string component = largest_component(nodes);
+  const Place &place = places.at(places.count(component) ? component : "");
   std::vector<CalibratedCamera> cameras;
-  for (const pugi::xml_node &node : chunk.child("cameras").children("camera")) {
+  for (const pugi::xml_node &node : nodes) {
     const std::string name = node.attribute("label").value(), where = source + ": camera '" + name + "'";
     const std::vector<double> pose = xml_numbers(node.child("transform"));
     if (!node.child("transform")) {
       left_out.push_back("camera '" + name + "' has no place (it was not aligned)");
+      continue;
+    }
+    if (component_of(node) != component) {
+      left_out.push_back("camera '" + name + "' was not aligned with most of the others (it is of another component)");
       continue;
     }
     const auto sensor = sensors.find(node.attribute("sensor_id").value());

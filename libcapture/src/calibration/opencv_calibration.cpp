@@ -120,10 +120,21 @@ ImageSize size_in(const cv::FileStorage &storage, Keys widths, Keys heights, Key
   return size_from(numbers_of(first_of(storage, both)));
 }
 
+/// 1 or true, which in YAML is a word to OpenCV.
+bool is_set(const cv::FileNode &flag, const std::string &where) {
+  if (flag.isInt())
+    return static_cast<int>(flag) != 0;
+  const std::string word = flag.isString() ? static_cast<std::string>(flag) : std::string();
+  if (word == "true" || word == "True")
+    return true;
+  if (!flag.empty() && word != "false" && word != "False")
+    throw Error(where + ": expected " + flag.name() + " to be 1 or 0, true or false, found '" + word + "'");
+  return false;
+}
+
 bool says_fisheye(const cv::FileStorage &storage, const std::string &where) {
-  const cv::FileNode flag = first_of(storage, {"fisheye_model", "fisheye"});
   const cv::FileNode model = first_of(storage, {"distortion_model", "camera_model", "model"});
-  if (flag.isInt() && static_cast<int>(flag) != 0)
+  if (is_set(first_of(storage, {"fisheye_model", "fisheye"}), where))
     return true;
   const std::string name = model.isString() ? static_cast<std::string>(model) : std::string("pinhole");
   if (name == "fisheye" || name == "equidistant")
