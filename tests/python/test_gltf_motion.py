@@ -21,7 +21,7 @@ def write_glb(path, nodes, tracks, skins=(), change=lambda gltf: None):
         nonlocal binary
         data = np.asarray(values, "<f4")
         views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": data.nbytes})
-        kind = "SCALAR" if data.ndim == 1 else f"VEC{data.shape[1]}"
+        kind = "SCALAR" if data.ndim == 1 else "MAT4" if data.ndim == 3 else f"VEC{data.shape[1]}"
         accessors.append({"bufferView": len(views) - 1, "componentType": 5126, "type": kind, "count": len(data)})
         binary += data.tobytes()
         return len(accessors) - 1
@@ -29,7 +29,8 @@ def write_glb(path, nodes, tracks, skins=(), change=lambda gltf: None):
     for node, what, times, values, between in tracks:
         samplers.append({"input": put(times), "output": put(values), "interpolation": between})
         channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": what}})
-    gltf = {"asset": {"version": "2.0"}, "nodes": nodes, "bufferViews": views, "accessors": accessors, "skins": list(skins)}
+    skins = [{**skin, "inverseBindMatrices": put(skin["inverseBindMatrices"])} if len(skin) > 1 else skin for skin in skins]
+    gltf = {"asset": {"version": "2.0"}, "nodes": nodes, "bufferViews": views, "accessors": accessors, "skins": skins}
     gltf.update(buffers=[{"byteLength": len(binary)}], animations=[{"channels": channels, "samplers": samplers}])
     change(gltf)
     text = json.dumps(gltf).encode()
@@ -105,6 +106,31 @@ def test_what_hangs_on_a_mirrored_node_turns_the_other_way(tmp_path, mirrored):
     w, *v = clip.rotations[12][1]
     turned = clip.offsets[2] + 2 * np.cross(v, np.cross(v, clip.offsets[2]) + w * clip.offsets[2])
     np.testing.assert_allclose(clip.positions[12][2] - clip.positions[12][1], turned, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "seen", [np.eye(3), 100 * np.array([[0, 0, 1.0], [1, 0, 0], [0, 1, 0]])], ids=["in the world", "cm, +Z up"]
+)
+def test_nodes_that_stand_in_some_frame_have_the_pose_of_the_skin_as_zero_pose(tmp_path, seen):
+    """`seen`: the mesh's own axes and unit. A matrix that is none, of a joint that was never bound, leaves the nodes as they are."""
+    straight = arm()
+    joints = straight["skins"][0]["joints"]
+    places = {1: [0, 1.4, 0], 2: [0.3, 1.4, 0], 3: [0.55, 1.4, 0]}
+    bind = np.tile(np.eye(4), (3, 1, 1))
+    for matrix, joint in zip(bind, joints):
+        matrix[:3, :3] = seen @ [[1, 0, 0], [0, 0, 1], [0, -1, 0]]  # as the joints' axes are in the world
+        matrix[:3, 3] = seen @ places[joint]
+    columns = np.swapaxes(np.linalg.inv(bind), 1, 2)
+    posed = arm(skins=[{"joints": joints, "inverseBindMatrices": columns}])
+    posed["nodes"][2]["rotation"] = [0, 0, np.sin(0.3), np.cos(0.3)]
+    clip = d.SourceMotion.read(write_glb(tmp_path / "straight.glb", **straight))
+    same = d.SourceMotion.read(write_glb(tmp_path / "posed.glb", **posed))
+    np.testing.assert_allclose(same.offsets, clip.offsets, atol=1e-6)
+    for now, then in zip(same.rotations[12], clip.rotations[12]):
+        assert abs(now @ then) == pytest.approx(1, abs=1e-9)
+    posed["skins"][0]["inverseBindMatrices"] = np.tile(np.eye(4), (3, 1, 1))
+    unbound = d.SourceMotion.read(write_glb(tmp_path / "unbound.glb", **posed))
+    np.testing.assert_allclose(unbound.offsets[2], [0.25 * np.cos(0.6), 0, -0.25 * np.sin(0.6)], atol=1e-6)
 
 
 def test_steps_are_at_the_times_of_their_keys(tmp_path):

@@ -284,10 +284,16 @@ template <class T> std::vector<T> Reader::read(int accessor, int component) cons
 
 Reader::Rows Reader::rows_of(const json &accessor) const {
   const std::string type = accessor.at("type").get<std::string>();
-  const std::size_t width = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+  const std::size_t width = type == "SCALAR" ? 1
+                            : type == "VEC2" ? 2
+                            : type == "VEC3" ? 3
+                            : type == "VEC4" ? 4
+                            : type == "MAT4" ? 16
+                                             : 0;
   const int component = accessor.at("componentType").get<int>();
   if (width == 0 || bytes_of(component) == 0)
-    fail("expected an accessor of numbers or vectors, found component type " + std::to_string(component) + " and " + type);
+    fail("expected an accessor of numbers, vectors or 4 x 4 matrices, found component type " + std::to_string(component) +
+         " and " + type);
   return {component, size(accessor, "count"), width, size(accessor, "byteOffset"), accessor.value("normalized", false)};
 }
 

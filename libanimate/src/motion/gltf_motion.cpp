@@ -26,6 +26,8 @@ constexpr std::size_t kMostSkins = 1000;
 constexpr double kMostKeysInFile = 5e7; // several tracks may name the same keys
 constexpr double kRounding = 1e-4;      // s, by which key times, which are floats, may be off
 constexpr double kStill = 1e-3;         // by which a component of a quaternion, or of a place (m), may vary
+constexpr double kSameBones = 0.8;      // of a skin that have the directions of the nodes'
+constexpr double kAnotherPose = 0.02;   // rad, by which a joint stands otherwise than it was bound
 constexpr double kMovesTheBody = 0.5;   // of the nodes that the liveliest animation turns
 
 enum class Between { Step, Linear, Cubic };
@@ -108,6 +110,7 @@ public:
     read_parts();
     read_tracks(animation);
     choose_joints();
+    stand_as_bound();
   }
 
   SourceMotion sampled() const {
@@ -513,7 +516,89 @@ private:
     return std::abs(found - whole) < 0.01 * found ? whole : found; // key times are floats
   }
 
-  /// Of all nodes, at a time, or at rest.
+  // --- the zero pose
+
+  /// Nodes stand as they did in some frame where an exporter has left them so. Then the pose in which a skin's mesh was bound to
+  /// its joints is the zero pose.
+  void stand_as_bound() {
+    std::vector<Affine3d> place;
+    std::vector<Quaterniond> rest;
+    world(nullptr, place, rest);
+    std::map<int, Quaterniond> bound;
+    for (const json &skin : reader_.gltf().value("skins", json::array()))
+      if (skin.contains("inverseBindMatrices"))
+        bound.merge(bound_turns(skin, place, rest));
+    bound_ = std::move(bound);
+  }
+
+  /// Of a skin's joints, in the world; none if they stand so, or if the skin's bones are others than the nodes'.
+  std::map<int, Quaterniond> bound_turns(const json &skin, const std::vector<Affine3d> &place,
+                                         const std::vector<Quaterniond> &rest) {
+    const std::vector<float> &numbers = *floats(skin.at("inverseBindMatrices").get<int>());
+    std::map<int, Affine3d> bind;
+    std::map<int, Quaterniond> turns;
+    std::vector<Quaterniond> to_world;
+    for (const json &joint : skin.at("joints")) {
+      const int node = index_of(joint, "a joint");
+      const std::size_t first = 16 * to_world.size();
+      if (first + 16 > numbers.size())
+        reader_.fail("expected inverse bind matrices of all joints of a skin, found fewer");
+      Affine3d inverse;
+      inverse.matrix() = Eigen::Map<const Eigen::Matrix4f>(numbers.data() + first).cast<double>();
+      if (!(inverse.linear().determinant() > 0)) // mirrored, or flat
+        return {};
+      bind[node] = inverse.inverse();
+      turns[node] = Quaterniond(bind[node].linear().colwise().normalized().eval()).normalized();
+      to_world.push_back(rest[node] * turns[node].conjugate());
+    }
+    const Quaterniond axes = nearest_axes(to_world);
+    bool differs = false;
+    int bones = 0, alike = 0;
+    for (auto &[node, turn] : turns) {
+      differs = differs || rest[node].angularDistance(axes * turn) > kAnotherPose;
+      if (const int parent = above_[node]; parent >= 0 && bind.count(parent)) {
+        const Vector3d bone = rest[parent].conjugate() * (place[node].translation() - place[parent].translation());
+        const Vector3d bound = turns[parent].conjugate() * (bind[node].translation() - bind[parent].translation());
+        ++bones;
+        alike += bone.dot(bound) >= 0.99 * bone.norm() * bound.norm() && (bone.norm() == 0 || bound.norm() > 0);
+      }
+    }
+    if (!differs || alike < kSameBones * bones)
+      return {};
+    for (auto &[node, turn] : turns)
+      turn = axes * turn;
+    return turns;
+  }
+
+  /// Of the rotations that take axes to axes, as exporters turn a mesh, the one that is nearest to all of these.
+  static Quaterniond nearest_axes(const std::vector<Quaterniond> &turns) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero(), best = Eigen::Matrix3d::Identity();
+    for (const Quaterniond &turn : turns)
+      sum += turn.toRotationMatrix();
+    double most = -1e30;
+    for (int x = 0; x < 6; ++x)
+      for (int y = 0; y < 6; ++y) {
+        if (x % 3 == y % 3)
+          continue;
+        Eigen::Matrix3d axes;
+        axes.col(0) = (x < 3 ? 1.0 : -1.0) * Vector3d::Unit(x % 3);
+        axes.col(1) = (y < 3 ? 1.0 : -1.0) * Vector3d::Unit(y % 3);
+        axes.col(2) = axes.col(0).cross(axes.col(1));
+        if (const double near = axes.cwiseProduct(sum).sum(); near > most + 1e-9) {
+          most = near;
+          best = axes;
+        }
+      }
+    return Quaterniond(best);
+  }
+
+  /// What hangs on mirrored axes turns the other way.
+  static Quaterniond mirrored(Quaterniond q, const Vector3d &sides) {
+    q.vec() = sides.prod() * sides.cwiseProduct(q.vec());
+    return q;
+  }
+
+  /// Of all nodes, at a time, or in the zero pose.
   void world(const double *time, std::vector<Affine3d> &place, std::vector<Quaterniond> &turned) const {
     place.resize(nodes_.size());
     turned.resize(nodes_.size());
@@ -526,12 +611,14 @@ private:
       const auto none = node.tracks.end();
       const Vector3d moved = translation == none ? node.translation : Vector3d(translation->second.at(*time));
       const Vector3d scaled = scale == none ? node.scale : Vector3d(scale->second.at(*time));
-      Quaterniond q =
+      const Quaterniond above = node.parent < 0 ? Quaterniond::Identity() : turned[node.parent];
+      const auto bound = time ? bound_.end() : bound_.find(i);
+      const Quaterniond q =
           rotation == none ? node.rotation : direction(Quaterniond(Eigen::Vector4d(rotation->second.at(*time))), node.name);
-      const Affine3d local = Eigen::Translation3d(moved) * q * Eigen::Scaling(scaled);
+      turned[i] = bound == bound_.end() ? above * mirrored(q, side) : bound->second;
+      const Quaterniond own = bound == bound_.end() ? q : mirrored(above.conjugate() * bound->second, side);
+      const Affine3d local = Eigen::Translation3d(moved) * own * Eigen::Scaling(scaled);
       place[i] = node.parent < 0 ? local : place[node.parent] * local;
-      q.vec() = side.prod() * side.cwiseProduct(q.vec()); // what hangs on mirrored axes turns the other way
-      turned[i] = node.parent < 0 ? q : turned[node.parent] * q;
       sides[i] = side.cwiseProduct(scaled.unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; }));
     }
   }
@@ -542,7 +629,8 @@ private:
   std::vector<int> order_;  ///< of the nodes, parents first
   std::vector<int> joints_; ///< nodes, parents first
   std::vector<bool> is_joint_;
-  std::vector<int> above_; ///< of a node, the nearest joint
+  std::vector<int> above_;           ///< of a node, the nearest joint
+  std::map<int, Quaterniond> bound_; ///< of nodes that stand otherwise in the zero pose, in the world
   std::vector<std::string> animations_;
   int animation_ = 0;
   std::map<int, Track::Floats> floats_; ///< by accessor

@@ -48,15 +48,15 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
 
 /// An animation of a .glb by its name or its number from 1; without either, the first that moves the body: that turns at least
 /// half as many nodes as the one that turns the most. On the joints of its skins that hang together, or without a skin on the
-/// nodes that it turns or that VRM names, with the nodes between them and those below that draw nothing. The zero pose is how the nodes stand when
-/// nothing plays, lengths are metres. Sampled as often as the track with the most keys, within 24 to 240 1/s. Throws Error
-/// naming the file where it is broken, refers to other files, has no such animation, more than 10,000 joints, or more than 2e7
-/// poses of nodes; FileNotFound.
+/// nodes that it turns or that VRM names, with the nodes between them and those below that draw nothing. The zero pose is how the
+/// nodes stand when nothing plays, or where they stand otherwise than a skin was bound to them, how it was bound; lengths are
+/// metres. Sampled as often as the track with the most keys, within 24 to 240 1/s. Throws Error naming the file where it is
+/// broken, refers to other files, has no such animation, more than 10,000 joints, or more than 2e7 poses of nodes; FileNotFound.
 SourceMotion read_gltf_motion(const std::filesystem::path &path, const std::string &animation = {});
 
-/// By extension, .bvh, .amc or .glb, which .vrm and .vrma are, too. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or
-/// with the longest stem that its own begins with. `animation` as above, of a .glb alone. Throws FileNotFound, or Error naming
-/// the file.
+/// By extension, .bvh, .amc or .glb, which .vrm and .vrma are, too. The skeleton of an .amc: `skeleton` if given, else the .asf
+/// beside it with the same stem or with the longest stem that its own begins with. `animation` as above, of a .glb alone. Throws
+/// FileNotFound, or Error naming the file.
 SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {},
                               const std::string &animation = {});
 
