@@ -205,6 +205,14 @@ TEST(Acclaim, ForwardKinematicsHasKnownValues) {
   EXPECT_TRUE(clip.positions[0].row(3).isApprox(Eigen::RowVector3d(1, 2, 4), 1e-9)) << clip.positions[0];
 }
 
+TEST(Acclaim, AnglesAreThoseOfTheSkeletonUnlessTheMotionSaysOthers) {
+  const std::string radians = replaced(kAsf, "angle deg", "angle rad"), frame = "1\nroot 0 0 0 0 0 1.5\nupper 0 0\nlower 0\n";
+  const auto turned = [](const SourceMotion &clip) { return 2 * std::acos(clip.rotations[0][0].w()); };
+  EXPECT_NEAR(turned(parse_acclaim(radians, frame, "a.asf", "a.amc")), 1.5, 1e-9);
+  EXPECT_NEAR(turned(parse_acclaim(radians, ":DEGREES\n" + frame, "a.asf", "a.amc")), 1.5 * M_PI / 180, 1e-9);
+  EXPECT_NEAR(turned(parse_acclaim(kAsf, ":RADIANS\n" + frame, "a.asf", "a.amc")), 1.5, 1e-9);
+}
+
 TEST(Acclaim, BrokenFilesNameTheLine) {
   const auto message = [](const std::string &asf, const std::string &amc) -> std::string {
     try {

@@ -162,10 +162,12 @@ def test_underwear_ends_along_a_line(world, monkeypatch):
         (["--texture", "{folder}/no.png"], "no.png"),
         (["--texture", "{folder}/character.glb"], "character.glb"),
         (["--texture", "{folder}/wide.png"], "wide.png: expected the proportions of the character's own picture (64 x 64"),
+        (["--texture", "{folder}/deep.png"], "deep.png: expected 8 bits a channel, as in files that are drawn, found 16"),
     ],
 )
 def test_what_is_refused(file, tmp_path, capsys, flags, said):
     flags = [flag.format(folder=tmp_path) for flag in flags]
     Image.new("RGB", (96, 48)).save(tmp_path / "wide.png")
+    Image.fromarray(np.zeros((64, 64), np.uint16)).save(tmp_path / "deep.png")
     assert run(file, *flags, "-o", tmp_path / "out.glb") == 1
     assert said in capsys.readouterr().err and not (tmp_path / "out.glb").exists()

@@ -112,7 +112,7 @@ def test_what_hangs_on_a_mirrored_node_turns_the_other_way(tmp_path, mirrored):
     "seen", [np.eye(3), 100 * np.array([[0, 0, 1.0], [1, 0, 0], [0, 1, 0]])], ids=["in the world", "cm, +Z up"]
 )
 def test_nodes_that_stand_in_some_frame_have_the_pose_of_the_skin_as_zero_pose(tmp_path, seen):
-    """`seen`: the mesh's own axes and unit. A matrix that is none, of a joint that was never bound, leaves the nodes as they are."""
+    """`seen`: the mesh's own axes and unit. Matrices that are none leave the nodes as they are."""
     straight = arm()
     joints = straight["skins"][0]["joints"]
     places = {1: [0, 1.4, 0], 2: [0.3, 1.4, 0], 3: [0.55, 1.4, 0]}

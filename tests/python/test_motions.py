@@ -62,10 +62,10 @@ def test_rotations_add_up_along_the_arm(tmp_path, names):
 
 
 def test_it_walks_the_way_of_the_world(tmp_path):
-    """Two metres along +Y of a z-up world: along -Z of ours, which the body, facing -Y there and +Z here, walks backwards."""
-    place = np.outer(np.linspace(0, 1, FRAMES), [0, 2.0, 0])
+    """Twenty centimetres along +Y of a z-up world: along -Z of ours, which the body, facing -Y there and +Z here, walks backwards."""
+    place = np.outer(np.linspace(0, 1, FRAMES), [0, 0.2, 0])
     clip = read_smpl_motion(smpl(tmp_path / "a.npz", trans=place))
-    np.testing.assert_allclose(clip.positions[-1][0] - clip.positions[0][0], [0, 0, -2], atol=1e-9)
+    np.testing.assert_allclose(clip.positions[-1][0] - clip.positions[0][0], [0, 0, -0.2], atol=1e-9)
 
 
 def actor_skeleton():
@@ -109,6 +109,11 @@ def test_an_actor_takes_the_pose(tmp_path):
         ({"poses": np.zeros(4)}, "at least 66 angles"),
         ({"poses": np.full((FRAMES, 156), np.nan)}, "expected 'poses' to hold finite numbers"),
         ({"poses": np.zeros((0, 156))}, "expected 'poses' to hold finite numbers"),
+        ({"poses": np.full((FRAMES, 156), 20.0)}, "more than two turns, as if these were degrees"),
+        (
+            {"trans": np.arange(3.0 * FRAMES).reshape(FRAMES, 3)},
+            "expected 'trans' in metres, found a body that moves by 624 a second",
+        ),
         ({"trans": None}, "expected the root's place, 'trans' or 'transl'"),
         ({"trans": np.zeros((3, 3))}, r"expected 'trans' of shape \(4, 3\), found \(3, 3\)"),
         ({"mocap_framerate": None}, "expected a rate, 'mocap_framerate'"),

@@ -271,10 +271,10 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
   make_joints(skeleton, bone_order(skeleton), clip, bone_of_joint);
 
   LineReader reader(amc, amc_source, true);
-  double radians = M_PI / 180, before = 0; // before: the number of the frame before
+  double radians = skeleton.radians, before = 0; // before: the number of the frame before
   while (!reader.done() && reader.peek("").words[0][0] == ':') {
     const std::string key = lower(reader.next("").words[0]);
-    radians = key == ":radians" ? 1.0 : radians;
+    radians = key == ":radians" ? 1.0 : key == ":degrees" ? M_PI / 180 : radians;
   }
   while (!reader.done()) {
     const TextLine &number = reader.next("a frame number");

@@ -14,6 +14,7 @@ from ..common.files import written_atomically
 from ..common.images import read_image
 
 PNG, JPEG = b"\x89PNG", b"\xff\xd8\xff"
+BIT_DEPTH = 24  # where a PNG says it
 GAMMA = 2.2  # about that of sRGB, which images are in
 ALIKE = 30  # of 255 in each channel, to which a texel is of the hidden body's colour
 QUALITY = 95  # of a JPEG that is written anew
@@ -43,6 +44,8 @@ def set_texture(character: d.Character, file: Path) -> None:
     picture, content = read_image(file), Path(file).read_bytes()
     if not content.startswith((PNG, JPEG)):
         raise RuntimeError(f"{file}: expected a PNG or JPEG, found another kind of image")
+    if content.startswith(PNG) and content[BIT_DEPTH] > 8:
+        raise RuntimeError(f"{file}: expected 8 bits a channel, as in files that are drawn, found {content[BIT_DEPTH]}")
     before = character_picture(character)
     if before is not None:
         require_shape(file, picture.size, before.size)

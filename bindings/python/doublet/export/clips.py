@@ -48,6 +48,7 @@ POSES = (("poses",), ("root_orient", "pose_body"), ("global_orient", "body_pose"
 PLACES = ("trans", "transl")
 RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 MOST_LIKELY_FPS = 1000  # nobody films people faster
+MOST_LIKELY_SPEED = 15  # m/s, nobody runs faster
 
 
 def read_motion(
@@ -170,6 +171,9 @@ def place_of(path: Path, file, count: int) -> np.ndarray:
     place = numbers(path, file, name)
     if place.shape != (count, 3):
         raise ValueError(f"{path}: expected '{name}' of shape ({count}, 3), found {place.shape}")
+    speed = np.median(np.linalg.norm(np.diff(place, axis=0), axis=1)) * rate_of(path, file) if count > 1 else 0
+    if speed > MOST_LIKELY_SPEED:
+        raise ValueError(f"{path}: expected '{name}' in metres, found a body that moves by {speed:.3g} a second most of the time")
     return place
 
 

@@ -29,12 +29,20 @@ def turns_of(numbers: np.ndarray, matrices: bool) -> np.ndarray | None:
         rows = numbers.reshape(len(numbers), -1, 2, 3)  # rows in one program, columns in another: nobody can tell
         if are_rotations(np.concatenate([rows, np.cross(rows[..., 0, :], rows[..., 1, :])[..., None, :]], axis=-2)):
             return None
-    return quaternions(numbers.reshape(len(numbers), -1, 3)) if count in AXIS_ANGLES else None
+    return None if count not in AXIS_ANGLES or are_degrees(numbers) else quaternions(numbers.reshape(len(numbers), -1, 3))
+
+
+def are_degrees(angles: np.ndarray) -> bool:
+    """Is a joint of rows (T, N) turned by more than two turns most of the time? The root may be, of who turns round and round."""
+    turned = np.linalg.norm(angles.reshape(len(angles), -1, 3)[:, 1:], axis=-1)
+    return bool(np.median(turned, axis=0).max() > 4 * np.pi)
 
 
 def doubt_about(rows: list[np.ndarray]) -> str:
     """Why such numbers are not read."""
     count = sum(row.shape[-1] for row in rows)
+    if count in AXIS_ANGLES and all(row.ndim == 2 and len(row) == len(rows[0]) for row in rows):
+        return "; a joint is turned by more than two turns, as if these were degrees"
     return (
         "; six numbers a joint may be rows or columns of a matrix, which no file says"
         if count % 6 == 0 and count >= 6 * 22
