@@ -107,6 +107,14 @@ CONVENTIONS = {
         "L", "R", named(LIMB_PARTS, "clavicle upperarm01 lowerarm01 wrist hand upperleg01 lowerleg01 foot toe1-1"),
         named(TRUNK_PARTS, "root spine05 spine02 neck01 head"), "{name}.{side}",
     ),
+    "Rigify": sided(
+        "L", "R", named(LIMB_PARTS, "shoulder upper_arm forearm hand f_middle.01 thigh shin foot toe"),
+        named(TRUNK_PARTS, "DEF-spine DEF-spine.001 DEF-spine.003 DEF-spine.004 DEF-spine.006"), "DEF-{name}.{side}",
+    ),
+    "Advanced Skeleton": sided(
+        "L", "R", named(LIMB_PARTS, "Scapula Shoulder Elbow Wrist MiddleFinger1 Hip Knee Ankle Toes"),
+        named(TRUNK_PARTS, "Root_M Spine1_M Chest_M Neck_M Head_M"), "{name}_{side}",
+    ),
     "a rig with the hero's name and joints": sided(
         "L", "R", named(LIMB_PARTS, "clavicle upperarm forearm hand fingers thigh calf foot ball"),
         {part: f"Hero_{name}_jnt" for part, name in named(TRUNK_PARTS, "pelvis spine chest neck head").items()},

@@ -19,11 +19,13 @@ const std::vector<Part> &limb_parts() {
       {"knee", {"calf", "lowerleg", "tibia", "shin", "shank", "knee", "lowleg", "loleg", "lleg", "leglower", "shinbend", "leg"}},
       {"ankle", {"ankle", "foot"}},
       {"toe", {"toebase", "toes", "toe", "ball", "toe0", "foot"}}, // SMPL and Kinect have the foot below the ankle
-      {"clavicle", {"clavicle", "collar", "collarbone", "clav", "shoulder"}},
+      {"clavicle", {"clavicle", "collar", "collarbone", "clav", "scapula", "shoulder"}},
       {"shoulder", {"upperarm", "uparm", "uarm", "humerus", "armupper", "shldr", "shldrbend", "arm", "shoulder"}},
       {"elbow", {"forearm", "lowerarm", "farm", "forearmbend", "radius", "elbow", "lowarm", "loarm", "armlower"}},
       {"wrist", {"wrist", "hand"}},
-      {"hand", {"hand", "middle1", "mid1", "handmiddle1", "fingers", "middle01", "handend"}},
+      {"hand",
+       {"hand", "middle1", "mid1", "handmiddle1", "fingers", "middle01", "fmiddle01", "middlefinger1", "middleproximal",
+        "handend"}},
   };
   return parts;
 }
@@ -33,8 +35,8 @@ const std::vector<Part> &centre_parts() {
       {"pelvis", {"pelvis", "hips", "hip", "root"}},
       {"spine", {"spine", "waist", "torso", "lowerback", "spine0", "spine01", "abdomen", "abdomenlower", "ab", "spine1"}},
       {"chest", {"chest", "upperchest", "spine2", "spine02", "upperback", "thorax", "chestupper", "spine03", "spine3"}},
-      {"neck", {"neck", "neck1", "neck01", "necktwist01", "lowerneck", "necklower"}},
-      {"head", {"head"}},
+      {"neck", {"neck", "neck1", "neck01", "necktwist01", "lowerneck", "necklower", "spine004"}},
+      {"head", {"head", "spine006"}}, // Rigify has a neck and a head by numbers
       {"head_top", {"headtop", "headtopend", "headend", "headnub", "headsite"}},
   };
   return parts;

@@ -49,7 +49,7 @@ public:
     if (found.count(part) || !found.count(below))
       return;
     for (int j : by_name_[part])
-      if (is_below(found[below], j)) {
+      if (is_below(found[below], j) && !plays_another(j)) {
         set(part, j, "by its name");
         return;
       }
@@ -71,6 +71,10 @@ public:
   }
 
 private:
+  bool plays_another(int joint) const {
+    return std::any_of(found.begin(), found.end(), [&](const auto &part) { return part.second == joint; });
+  }
+
   const std::vector<int> &parents_;
   std::map<std::string, std::vector<int>> by_name_;
 };
