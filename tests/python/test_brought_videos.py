@@ -211,12 +211,34 @@ def test_every_camera_may_count_for_itself(tmp_path):
     assert shown(session_of(tmp_path, fps=25)) == [list(range(20))] * 2
 
 
+@pytest.mark.parametrize("lost", [(7, 12, 13), (0, 1)], ids=["in the middle", "at the beginning"])
+def test_images_that_are_named_after_a_clock_stay_in_step(tmp_path, lost):
+    """As industrial cameras write them, in nanoseconds, some of which are late."""
+    for c, left_out in enumerate(((), lost)):
+        folder = tmp_path / f"films/cam{c}"
+        folder.mkdir(parents=True)
+        for k in (k for k in range(20) if k not in left_out):
+            late = (7 * k + 3 * c) % 5 * 1_000_000
+            Image.fromarray(picture(k)).save(folder / f"{1_700_000_000_000_000_000 + 40_000_000 * k + late}.png")
+    cam0, cam1 = shown(session_of(tmp_path, fps=25))
+    first = 2 if 0 in lost else 0
+    assert cam0 == list(range(first, 20))
+    assert cam1 == [None if k in lost else k for k in range(first, 20)]
+
+
 def test_numbers_that_do_not_count_images():
     assert list(counted(["a_0", "a_2", "a_4", "a_8"])) == [0, 1, 2, 4]  # every second one, and one is missing
     assert list(counted(["1634200000041", "1634200000083", "1634200000124"])) == [0, 1, 2]  # times
     assert list(counted(["1_left", "1_right"])) == [0, 1]
     assert list(counted(["a", "b", "c"])) == [0, 1, 2]
     assert list(counted(["7"])) == [7]
+    assert list(counted(["1634200000041", "1634200000083", "1634200000166", "1634200000207"])) == [
+        0,
+        1,
+        3,
+        4,
+    ]  # times, one missing
+    assert list(counted(["3", "5", "100"])) == [0, 1, 2]
 
 
 def test_masks_of_a_series_with_a_gap_are_those_of_its_images(tmp_path):

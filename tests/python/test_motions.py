@@ -62,7 +62,7 @@ def test_rotations_add_up_along_the_arm(tmp_path, names):
 
 
 def test_it_walks_the_way_of_the_world(tmp_path):
-    """Twenty centimetres along +Y of a z-up world: along -Z of ours, which the body, facing -Y there and +Z here, walks backwards."""
+    """20 cm along +Y of a z-up world: along -Z of ours, which the body, facing -Y there and +Z here, walks backwards."""
     place = np.outer(np.linspace(0, 1, FRAMES), [0, 0.2, 0])
     clip = read_smpl_motion(smpl(tmp_path / "a.npz", trans=place))
     np.testing.assert_allclose(clip.positions[-1][0] - clip.positions[0][0], [0, 0, -0.2], atol=1e-9)

@@ -12,6 +12,8 @@ import numpy as np
 from PIL import Image, ImageOps
 
 MOST_NUMBER = 10**12  #: of an image; what is larger is a time
+LEAST_TICKS = 10  #: of a clock between two images
+UNEVEN = 0.3  #: of the usual step, by which one may be off
 
 
 @dataclass(frozen=True)
@@ -61,15 +63,30 @@ def last_number(stem: str) -> int:
 
 def counted(stems: Sequence[str]) -> np.ndarray:
     """(N) the numbers in names, in steps of the usual one (every image, every second): where one is missing, they leave it out.
-    0 to N - 1 if they are no such numbers (times of a clock, numbers of cameras)."""
+    From 0 on if they are times of a clock; 0 to N - 1 if they are no such numbers (of cameras)."""
     found = [last_number(stem) for stem in stems]
     steps = np.diff(np.array(found, dtype=object))
+    if step := clock_step(stems):
+        return np.concatenate([[0], np.cumsum(np.rint((steps / step).astype(float)))]).astype(np.int64)
     usual = sorted(steps)[len(steps) // 2] if len(steps) else 1
     regular = min(found) >= 0 and usual >= 1 and all(step >= 1 and step % usual == 0 for step in steps)
     if not regular or max(found) > MOST_NUMBER or max(steps, default=1) > usual * len(found):
         return np.arange(len(stems))
     first = found[0] // usual
     return np.array([first + (number - found[0]) // usual for number in found], dtype=np.int64)
+
+
+def clock_step(stems: Sequence[str]) -> int:
+    """Between two images whose names are times of a clock, which are large, or uneven; 0 = they are none."""
+    found = [last_number(stem) for stem in stems]
+    steps = np.diff(np.array(found, dtype=object))
+    usual = sorted(steps)[len(steps) // 2] if len(steps) else 0
+    if min(found) < 0 or usual < LEAST_TICKS or max(steps) > usual * len(found):
+        return 0
+    if max(found) <= MOST_NUMBER and all(step % usual == 0 for step in steps):
+        return 0
+    gaps = (steps / usual).astype(float)
+    return usual if np.rint(gaps).min() >= 1 and np.abs(gaps - np.rint(gaps)).max() <= UNEVEN else 0
 
 
 def read_image(path: Path) -> Image.Image:

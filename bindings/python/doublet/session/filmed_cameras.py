@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.console import Console
-from ..common.images import ImageSeries
+from ..common.images import ImageSeries, clock_step, last_number
 from ..common.video import VideoFile, read_video
 from .camera_files import CameraFile, list_files, match
 from .external_masks import KINDS, ExternalMasks, read_masks, require_count, require_size
@@ -93,7 +93,8 @@ def read_source(file: CameraFile, fps: float | None) -> VideoFile | ImageSeries:
 
 def count_together(cameras: list[FilmedCamera], messages: list[str]) -> None:
     """Series of images whose numbers are those of one clock begin at one number: a camera may have lost its first images."""
-    firsts, lasts = [int(c.source.numbers[0]) for c in cameras], [int(c.source.numbers[-1]) for c in cameras]
+    firsts = first_numbers([camera.source for camera in cameras])
+    lasts = [first + int(c.source.numbers[-1] - c.source.numbers[0]) for first, c in zip(firsts, cameras)]
     for camera in cameras:
         numbers = camera.source.numbers
         if (missing := int(numbers[-1] - numbers[0]) + 1 - len(numbers)) > 0:
@@ -102,9 +103,21 @@ def count_together(cameras: list[FilmedCamera], messages: list[str]) -> None:
     if len(cameras) < 2 or max(firsts) - min(firsts) > 0.5 * (min(lasts) - max(firsts)):
         return
     for camera, first in zip(cameras, firsts):
-        camera.source = replace(camera.source, origin=min(firsts))
+        camera.source = replace(camera.source, origin=int(camera.source.numbers[0]) - first + min(firsts))
         if first > min(firsts):
-            messages.append(f"{camera.name}: its images begin at number {first}, {first - min(firsts)} behind the first of all")
+            messages.append(
+                f"{camera.name}: its images begin at {camera.source.files[0].name}, {first - min(firsts)} behind the first of all"
+            )
+
+
+def first_numbers(series: list[ImageSeries]) -> list[int]:
+    """Of the first image of each; of images that are named after one clock, in steps from the first of all."""
+    names = [[file.stem for file in one.files] for one in series]
+    steps = [clock_step(stems) for stems in names]
+    if not all(steps):
+        return [int(one.numbers[0]) for one in series]
+    times = [last_number(stems[0]) for stems in names]
+    return [round((time - min(times)) / step) for time, step in zip(times, steps)]
 
 
 def describe(source: VideoFile | ImageSeries) -> str:
