@@ -34,8 +34,10 @@ def test_a_joint_is_dragged_and_saved(broken_session, browser):  # noqa: F811
     folder = os.environ.get("DOUBLET_SCREENSHOTS")
     if folder:
         browser.save_screenshot(f"{folder}/edit-joints.png")
+    assert asks_before_leaving(browser)
     press(browser, "save")
     wait_for_status(browser, "Saved")
+    assert not asks_before_leaving(browser)
     after = positions(broken_session)
     np.testing.assert_allclose(np.ravel(camera.project(after["l_elbow"])) - start, [30, -10], atol=2)
     depth = np.asarray(camera.R)[2] @ (after["l_elbow"] - before["l_elbow"])
@@ -52,6 +54,14 @@ def test_a_joint_is_dragged_and_saved(broken_session, browser):  # noqa: F811
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=30)
     assert process.returncode == 0
+
+
+def asks_before_leaving(browser) -> bool:  # noqa: F811
+    """What was moved and not saved would be lost."""
+    leave = (
+        "const leaving = new Event('beforeunload', {cancelable: true}); dispatchEvent(leaving); return leaving.defaultPrevented"
+    )
+    return browser.execute_script(leave)
 
 
 def positions(session) -> dict:
