@@ -25,6 +25,7 @@ LAYOUTS = {
     26: _COCO,  # Halpe: COCO and feet
     33: (11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28),  # MediaPipe
     133: _COCO,  # COCO whole body
+    136: _COCO,  # Halpe with face and hands
 }
 LEAST_AGREED = 6  #: of JOINTS
 FILE = "keypoints.npz"  #: of a session: for each camera (T, 12, 3) of its video
