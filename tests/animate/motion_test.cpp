@@ -317,6 +317,38 @@ TEST(Retarget, FacingAndPlaceOfTheFileDoNotMatter) {
   EXPECT_NEAR(c.dofs(0, 3), 2, 0.02);
 }
 
+TEST(Retarget, WhoLiesIsNotSetUprightAndAWorldOnItsSideIs) {
+  const Skeleton skeleton = figure_skeleton();
+  const MatrixRM upright = marching(skeleton, 20, 40);
+  const double hips = skeleton.joints[0].rest.y();
+  MatrixRM lying = upright, turned = upright;
+  lying.col(1).array() += 0.2 - hips; // face down, 20 cm over the floor
+  lying.col(4).setConstant(M_PI / 2);
+  turned.col(1).array() -= hips; // the same turn, but where +Z is up the floor is at its feet
+  turned.col(2).array() += hips;
+  turned.col(4).setConstant(M_PI / 2);
+  MatrixRM gets_up = lying;
+  gets_up.bottomRows(4) = upright.bottomRows(4);
+  const auto chest_from_hip = [&](const MatrixRM &dofs, Eigen::Vector3d up = Eigen::Vector3d::Zero()) {
+    SourceMotion clip = parse_bvh(figure_bvh(skeleton, dofs, 100, 40), "a.bvh");
+    clip.up = up;
+    const Motion motion = retarget(clip, skeleton, alone());
+    std::vector<Eigen::Vector3d> ways;
+    for (const Eigen::Index t : {Eigen::Index{0}, motion.dofs.rows() - 1}) {
+      const Vertices joints = joint_positions(skeleton, forward_kinematics(skeleton, motion.dofs.row(t)));
+      ways.push_back(joints.row(skeleton.find("chest")) - joints.row(skeleton.find("l_hip")));
+    }
+    return ways;
+  };
+  const double standing = chest_from_hip(upright)[0].y();
+  EXPECT_NEAR(chest_from_hip(turned)[0].y(), standing, 0.02);
+  EXPECT_LT(chest_from_hip(lying)[0].y(), 0.3 * standing);
+  EXPECT_GT(chest_from_hip(lying)[0].z(), 0.8 * standing) << "the head is where the actor looks in the rest pose";
+  EXPECT_LT(chest_from_hip(gets_up)[0].y(), 0.3 * standing);
+  EXPECT_NEAR(chest_from_hip(gets_up)[1].y(), standing, 0.02);
+  EXPECT_LT(chest_from_hip(turned, Eigen::Vector3d::UnitY())[0].y(), 0.3 * standing) << "the format has +Y up";
+}
+
 TEST(Retarget, FeetReachTheFloor) {
   const Skeleton skeleton = figure_skeleton();
   MatrixRM dofs = marching(skeleton, 30, 40);

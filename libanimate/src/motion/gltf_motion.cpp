@@ -119,6 +119,7 @@ public:
     motion.animations = animations_;
     motion.animation = animation_;
     motion.fps = rate();
+    motion.up = Vector3d::UnitY();
     std::vector<Affine3d> place;
     std::vector<Quaterniond> rest, turned;
     world(nullptr, place, rest);

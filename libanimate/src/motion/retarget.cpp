@@ -6,6 +6,7 @@
 
 #include "doublet/animate/plant_feet.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/quantile.h"
 #include "doublet/options/options.h"
 #include "leg.h"
 #include "match_joints.h"
@@ -113,9 +114,20 @@ public:
 
   /// Turns and moves the clip so that frame t faces as the rest pose does.
   void face_rest(int t) {
-    const Vector3d ahead = bone_rotation("pelvis", t) * target_frame_.col(2);
+    const Matrix3d pelvis = bone_rotation("pelvis", t) * target_frame_;
+    Vector3d ahead = pelvis.col(2);
+    if (std::hypot(ahead.x(), ahead.z()) < 0.3) // lies: on the belly the head is ahead, on the back the feet are
+      ahead = (ahead.y() < 0 ? 1.0 : -1.0) * pelvis.col(1);
     const double now = std::atan2(ahead.x(), ahead.z()), wanted = std::atan2(target_frame_(0, 2), target_frame_(2, 2));
     world_ = Eigen::AngleAxisd(wanted - now, Vector3d::UnitY()).toRotationMatrix() * world_;
+  }
+
+  /// The file's world, if it is turned on its side against the zero pose.
+  std::string turned_world() const {
+    const char *axes[] = {"-X", "-Y", "-Z", "+X", "+Y", "+Z"};
+    Eigen::Index axis;
+    const bool positive = up_.cwiseAbs().maxCoeff(&axis) > 0 && up_[axis] > 0;
+    return up_ == zero_up_ || !zero_is_stance() ? "" : axes[axis + (positive ? 3 : 0)];
   }
 
 private:
@@ -185,9 +197,37 @@ private:
     Vector3d mean = Vector3d::Zero();
     for (int t = 0; t < clip_.frame_count(); ++t)
       mean += (source_at("chest", t) - 0.5 * (source_at("l_ankle", t) + source_at("r_ankle", t)));
-    const Vector3d up = nearest_axis(mean);
-    world_ = up == zero_up ? from_zero_ : shortest_turn(up, Vector3d::UnitY());
     zero_up_ = zero_up;
+    const Vector3d usual = zero_is_stance() ? zero_up : Vector3d::UnitY();
+    up_ = nearest_axis(mean);
+    if (up_ != usual && (clip_.up == usual || stands_along(usual) || lies_on_floor(usual)))
+      up_ = usual;
+    world_ = up_ == zero_up ? from_zero_ : shortest_turn(up_, Vector3d::UnitY());
+  }
+
+  /// For a while at least: who lies or crawls for most of a clip gets up in it, or lies down.
+  bool stands_along(const Vector3d &up) const {
+    constexpr double kUpright = 0.87, kShare = 0.1;
+    int standing = 0;
+    for (int t = 0; t < clip_.frame_count(); ++t) {
+      const Vector3d body = source_at("chest", t) - 0.5 * (source_at("l_ankle", t) + source_at("r_ankle", t));
+      standing += body.dot(up) > kUpright * body.norm();
+    }
+    return standing > kShare * clip_.frame_count();
+  }
+
+  /// Who lies all the time looks like somebody who stands in a world turned on its side. But files have the floor at height 0:
+  /// does he lie on that, and is that none on which he would stand?
+  bool lies_on_floor(const Vector3d &up) const {
+    const double leg = leg_length_source();
+    std::vector<double> lowest, hips, lowest_standing;
+    for (int t = 0; t < clip_.frame_count(); ++t) {
+      lowest.push_back((clip_.positions[t] * up).minCoeff() / leg);
+      hips.push_back(0.5 * (source_at("l_hip", t) + source_at("r_hip", t)).dot(up) / leg);
+      lowest_standing.push_back((clip_.positions[t] * up_).minCoeff() / leg);
+    }
+    const double floor = median(lowest), height = median(hips);
+    return floor > -0.1 && floor < 0.2 && height > 0.06 && height < 0.6 && std::abs(median(lowest_standing)) > 0.3;
   }
 
   /// The part a bone ends at, or empty where a skeleton does not have it.
@@ -346,7 +386,7 @@ private:
   Names source_, target_;
   std::vector<Vector3d> rest_, zero_;
   Matrix3d target_frame_, from_zero_, world_;
-  Vector3d zero_up_;
+  Vector3d zero_up_, up_; ///< of the zero pose, and of the file's world
   std::map<std::string, Matrix3d> bones_;
 };
 
@@ -475,6 +515,8 @@ Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const Retarg
   validate(clip);
   const SourceMotion part = chosen_frames(clip, options, context);
   Retargeter retargeter(part, skeleton, options);
+  if (const std::string up = retargeter.turned_world(); !up.empty())
+    context.log_line(clip.source + ": the body stands along the file's axis " + up + ", which is taken for up");
   if (options.align_start)
     retargeter.face_rest(0);
   Motion motion{part.fps, MatrixRM(part.frame_count(), skeleton.dof_count())};

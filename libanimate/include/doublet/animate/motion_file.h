@@ -24,6 +24,7 @@ struct SourceMotion {
   std::vector<std::string> animations; ///< names of all that the file has, where it can have several (glTF)
   int animation = 0;                   ///< which of these this is
   double fps = 0;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();           ///< axis of the world, where the format has one (glTF); 0 = any
   std::vector<Vertices> positions;                        ///< T x (J, 3) world, file units
   std::vector<std::vector<Eigen::Quaterniond>> rotations; ///< T x J world, relative to the zero pose
   int frame_count() const { return static_cast<int>(positions.size()); }
