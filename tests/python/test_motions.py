@@ -68,6 +68,18 @@ def test_it_walks_the_way_of_the_world(tmp_path):
     np.testing.assert_allclose(clip.positions[-1][0] - clip.positions[0][0], [0, 0, -0.2], atol=1e-9)
 
 
+@pytest.mark.parametrize("stands", [False, True])
+def test_who_lies_in_amass_is_not_set_upright(tmp_path, stands):
+    """On the back in a world with +Z up, the head along -X; or along +Y, after a frame in which she stands."""
+    poses = np.zeros((FRAMES, 156))
+    poses[:, :3] = [0, 0, 0] if stands else [0, 0, np.pi / 2]
+    if stands:
+        poses[0, :3] = Z_UP
+    clip = read_smpl_motion(smpl(tmp_path / "a.npz", trans=np.tile([0, 0, 0.2], (FRAMES, 1)), poses=poses))
+    assert abs(bone(clip, "pelvis", "neck", -1)[1]) < 0.2
+    np.testing.assert_allclose(clip.positions[-1][0], [0, 0.2, 0], atol=1e-9)
+
+
 def actor_skeleton():
     """An actor who stands with her arms half lowered, as marked in a scan: another rest pose than SMPL's."""
     marks = [d.JointAnnotation("pelvis", "", [0, 0.95, 0]), d.JointAnnotation("spine", "pelvis", [0, 1.1, -0.02])]

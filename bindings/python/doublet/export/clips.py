@@ -49,6 +49,8 @@ PLACES = ("trans", "transl")
 RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 MOST_LIKELY_FPS = 1000  # nobody films people faster
 MOST_LIKELY_SPEED = 15  # m/s, nobody runs faster
+UPRIGHT = 0.87  # cosine of the lean of who stands
+LOW = 0.03, 0.6  # m, between which the hips are of who lies
 
 
 def read_motion(
@@ -112,7 +114,7 @@ def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
 def read_smpl_motion(path: Path) -> d.SourceMotion:
     """Poses of SMPL, SMPL-H or SMPL-X as AMASS has them: the body's rotations (axis times angle, or matrices, of each joint from
     its parent), the root's place and the rate. Fingers, face and shape are left out. The world may have any axis up: it is the
-    one along which the body stands on average. Raises ValueError naming the file and the array."""
+    one along which the body stands on average, if it does not lie in AMASS. Raises ValueError naming the file and the array."""
     path = Path(path)
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist")
@@ -125,7 +127,8 @@ def smpl_motion(path: Path, file) -> d.SourceMotion:
     local = rotations_of(path, file)
     count = len(local)
     local = np.concatenate([local, np.tile([1.0, 0, 0, 0], (count, len(JOINTS) - TURNING, 1))], axis=1)
-    upright = upright_from(rotated(local[:, 0], np.array([0.0, 1, 0])).mean(axis=0))
+    place = place_of(path, file, count)
+    upright = upright_from(up_of(file, rotated(local[:, 0], np.array([0.0, 1, 0])), place))
     local[:, 0] = product(upright, local[:, 0])
     places, turned = np.empty((count, len(JOINTS), 3)), np.empty_like(local)
     for j, (_, parent, offset) in enumerate(JOINTS):
@@ -133,7 +136,7 @@ def smpl_motion(path: Path, file) -> d.SourceMotion:
         if parent >= 0:
             places[:, j] = places[:, parent] + rotated(turned[:, parent], np.array(offset, float))
         else:
-            places[:, j] = rotated(upright, place_of(path, file, count))
+            places[:, j] = rotated(upright, place)
     names, parents, offsets = zip(*JOINTS)
     return d.SourceMotion(list(names), list(parents), np.array(offsets, float), places, turned, rate_of(path, file), str(path))
 
@@ -193,6 +196,15 @@ def numbers(path: Path, file, name: str) -> np.ndarray:
     if array.dtype.kind not in "iuf" or array.size == 0 or not np.isfinite(array).all():
         raise ValueError(f"{path}: expected '{name}' to hold finite numbers, found {array.dtype} of shape {array.shape}")
     return array.astype(float)
+
+
+def up_of(file, body: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Along which the body (T, 3) stands on average; but +Z in AMASS, if it stands along that in a tenth of the frames, or lies
+    on the floor there and along X, which no file has up."""
+    mean = body.mean(axis=0)
+    stands = np.mean(body[:, 2] > UPRIGHT) > 0.1
+    lies = np.argmax(np.abs(mean)) == 0 and LOW[0] < np.median(place[:, 2]) < LOW[1]
+    return np.array([0, 0, 1.0]) if any(name in file for name in RATES[:2]) and (stands or lies) else mean
 
 
 def upright_from(up: np.ndarray) -> np.ndarray:
