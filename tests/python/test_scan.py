@@ -289,6 +289,7 @@ def test_joints_come_from_keypoints_where_arms_hang(model, tmp_path, capsys):
         ("{", "expected JSON"),
         ("[" * 100000, "cam0.json: expected JSON, found brackets inside of brackets without end"),
         ('{"a": 1}', "expected keypoints (a list of frames"),
+        ('[{"image_id": "0.jpg", "keypoints": [1, 2, 1]}]', "found an entry of image_id, keypoints"),
         ("[[[1, 2, 1], [3, 4, 1]]]", "expected 17, 18, 25, 26, 33, 133, 136 keypoints of x, y and confidence, found (2, 3)"),
         ('[[["x", 2, 1]]]', "expected 17, 18, 25"),
         ("[null]", "frame 0: expected at least 6 joints that two cameras agree on, found 0"),

@@ -164,6 +164,8 @@ def joints_of(people: list, path: Path) -> np.ndarray:
     """Of the person with the most confidence."""
     best = np.zeros((len(JOINTS), 3))
     for person in people:
+        if isinstance(person, dict):
+            raise ValueError(f"{path}: expected keypoints ({FORMATS}), found an entry of {', '.join(list(person)[:5])}")
         try:
             points = np.array(person, float)
         except (TypeError, ValueError):
