@@ -198,6 +198,12 @@ def test_utf_16_is_named(tmp_path):
         d.SourceMotion.read(tmp_path / "clip.bvh")
 
 
+def test_two_skeletons_in_a_file_are_named(tmp_path):
+    (tmp_path / "clip.bvh").write_text(CLEAN.replace("MOTION", "ROOT another\n{\nOFFSET 0 0 0\nCHANNELS 0\n}\nMOTION"))
+    with pytest.raises(d.Error, match=r"expected MOTION, as a clip has one skeleton, found 'ROOT another'"):
+        d.SourceMotion.read(tmp_path / "clip.bvh")
+
+
 def test_frames_of_an_amc_follow_each_other(tmp_path):
     bone = "begin\nname arm\ndirection 1 0 0\nlength 1\nend\n"
     (tmp_path / "a.asf").write_text(f":root\norder TX\n:bonedata\n{bone}:hierarchy\nbegin\nroot arm\nend\n")

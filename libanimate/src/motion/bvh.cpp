@@ -112,6 +112,8 @@ TextLine with_blanks(const TextLine &line) {
 MatrixRM read_values(LineReader &reader, const Hierarchy &hierarchy, const std::string &source, double &fps) {
   const auto channels = static_cast<Eigen::Index>(hierarchy.channels.size());
   const TextLine &motion = reader.next("MOTION");
+  if (lower(motion.words[0]) == "root")
+    reader.fail(motion, "MOTION, as a clip has one skeleton");
   if (lower(motion.words[0]) != "motion")
     reader.fail(motion, "MOTION");
   const TextLine frames = with_blanks(reader.next("Frames: and their number"));
