@@ -68,6 +68,12 @@ def test_it_walks_the_way_of_the_world(tmp_path):
     np.testing.assert_allclose(clip.positions[-1][0] - clip.positions[0][0], [0, 0, -0.2], atol=1e-9)
 
 
+def test_pickled_poses_are_to_be_arrays(world, tmp_path):
+    (tmp_path / "wham_output.pkl").write_bytes(b"x")
+    with pytest.raises(ValueError, match=r"wham_output\.pkl: expected a clip .*, found '\.pkl'; numpy\.savez writes them"):
+        read_motion(tmp_path / "wham_output.pkl", world.character, d.RetargetOptions())
+
+
 @pytest.mark.parametrize("stands", [False, True])
 def test_who_lies_in_amass_is_not_set_upright(tmp_path, stands):
     """On the back in a world with +Z up, the head along -X; or along +Y, after a frame in which she stands."""

@@ -46,6 +46,7 @@ TURNING = 22  # of these have a rotation in every file of the family; hands end 
 #: Arrays that hold the turning joints' rotations, side by side, and the root's place: AMASS, its SMPL-X, SMPLify and its like.
 POSES = (("poses",), ("root_orient", "pose_body"), ("global_orient", "body_pose"))
 PLACES = ("trans", "transl")
+PICKLED = (".pkl", ".pickle", ".pt", ".pth", ".npy")  # as programs that find poses write them
 RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 MOST_LIKELY_FPS = 1000  # nobody films people faster
 MOST_LIKELY_SPEED = 15  # m/s, nobody runs faster
@@ -104,6 +105,9 @@ def own_poses(path: Path) -> np.ndarray | None:
 def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
     """A clip on its own bones: .bvh, .amc, .glb, poses of the SMPL family in .npz. `animation`: of a .glb, by name or number."""
     path = Path(path)
+    if path.suffix in PICKLED:
+        expected = "a clip (.bvh, .amc, .glb), or arrays 'poses', 'trans' and 'mocap_framerate' of the SMPL family in an .npz"
+        raise ValueError(f"{path}: expected {expected}, found '{path.suffix}'; numpy.savez writes them")
     if path.suffix != ".npz":
         return d.SourceMotion.read(path, animation=animation)
     if animation:
