@@ -40,7 +40,7 @@ inline auto project_violated_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_
                                      T &multiplier) {
   const Vec3<T> d = a - b;
   const T square = dot(d, d), most = rest_length - compliance * multiplier + slack * rest_length;
-  const auto over = square > most * most;
+  const auto over = (square > most * most) & (most > T(0)); // a force may for a while ask for less than no length
   if (any(over)) {
     const T length = lane_sqrt(square), change = (most - length) / (T(1) + compliance), s = change / length;
     multiplier = select(over, multiplier + change, multiplier);
