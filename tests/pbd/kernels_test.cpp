@@ -90,6 +90,19 @@ Bend bend_constraint(V x0, V x1, V x2, V x3, double rest_cos, double rest_sin) {
   return b;
 }
 
+TEST(Kernels, StretchesThatAreViolatedAreBroughtBackToTheirSlack) {
+  const auto length_after = [](double length, double compliance, double multiplier) {
+    V a{0, 0, 0}, b{length, 0, 0};
+    project_violated_stretch(a, b, 0.25, 0.75, 0.02, compliance, 0.1, multiplier);
+    EXPECT_NEAR(0.75 * a.x + 0.25 * b.x, 0.25 * length, 1e-15); // the momentum
+    return b.x - a.x;
+  };
+  EXPECT_NEAR(length_after(0.05, 0, 0), 0.022, 1e-15);
+  EXPECT_EQ(length_after(0.0219, 0, 0), 0.0219);
+  EXPECT_EQ(length_after(0.05, 2, -0.02), 0.05); // its force has it at 0.06
+  EXPECT_EQ(length_after(0.05, 2, 0.02), 0.05);  // at less than nothing
+}
+
 TEST(Kernels, BendGradientsMatchDifferences) {
   Random random;
   for (int i = 0; i < 500; ++i) {
