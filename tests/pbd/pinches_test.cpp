@@ -8,6 +8,7 @@
 #include "scenes.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -60,6 +61,19 @@ TEST(Pinches, AreBetweenProxiesThatFaceEachOther) {
   EXPECT_NEAR(kept(0.5), 0.012, 1e-6);
   EXPECT_NEAR(kept(0), 0.5 * 0.012 + 0.5 * -0.006, 1e-6);
   EXPECT_NEAR(kept(-0.5), -0.006, 1e-6);
+}
+
+/// Nearer to its axis the cloth would come out on the far side of a limb.
+TEST(Pinches, LetNothingDeeperIntoAProxyThanAQuarterOfItsRadius) {
+  const auto slack_at = [](double depth) {
+    Between between({-1, 0, 0}, -depth, {1, 0, 0}, -depth);
+    Array<ContactOf<float>> contacts;
+    find_capsule_contacts<float>(between.model, between.balls, between.x, between.x, 0.0f, between.pinches.give(), between.boxes,
+                                 contacts);
+    return contacts[0].slack.lanes[0] - static_cast<float>(std::max(0.0, depth - 0.025)); // less what is opened gently
+  };
+  EXPECT_NEAR(slack_at(0.01), 0.012 + 0.016, 1e-6);
+  EXPECT_NEAR(slack_at(0.05), 0.012 + 0.025, 1e-6);
 }
 
 /// A strip that is held by both ends and hangs in a fold between two rods, which come together like an arm and a trunk.
