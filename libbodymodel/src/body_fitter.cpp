@@ -2,11 +2,11 @@
 
 #include "anatomy.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "doublet/rays/ray_scene.h"
 #include "nearest_points.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -177,7 +177,7 @@ State initial_state(const BodyModel &model, const std::vector<NamedPoint> &point
     from.col(i) = (points[i].joint ? joints : vertices).row(points[i].index).transpose();
     to.col(i) = points[i].target;
   }
-  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
+  const Eigen::Matrix4d similarity = nearest_similarity(from, to, AlignmentScale::Free);
   state.scale = std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
   if (!(std::isfinite(state.scale) && state.scale > 1e-6))
     throw Error("body fit: the landmarks and joints lie on one line or point, no similarity follows from them");

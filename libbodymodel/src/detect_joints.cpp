@@ -1,6 +1,7 @@
 #include "doublet/bodymodel/detect_joints.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
@@ -180,7 +181,8 @@ double cost_of(const BodyFit &fit) {
 
 /// Joints of the model in the world: the fit's body tells how the model's space lies there.
 std::map<std::string, Eigen::Vector3d> world_joints(const BodyModel &model, const BodyFit &fit) {
-  const Eigen::Matrix4d world = Eigen::umeyama(model.vertices(fit.coefficients).transpose(), fit.body.vertices.transpose(), true);
+  const Eigen::Matrix4d world =
+      nearest_similarity(model.vertices(fit.coefficients).transpose(), fit.body.vertices.transpose(), AlignmentScale::Free);
   const Vertices joints = model.joints(fit.coefficients).points;
   const std::vector<std::string> names = model.joint_names();
   std::map<std::string, Eigen::Vector3d> result;

@@ -1,6 +1,7 @@
 // Models of the SMPL family (Loper et al. 2015; SMPL-H, SMPL-X, STAR) from .npz: shape directions, joint regressor, skin weights.
 // They become this library's own kind of model: shape linear, pose by their skeleton (docs/body-model.md says what is left out).
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "skinned_body_model.h"
 
 #include <algorithm>
@@ -104,7 +105,7 @@ Eigen::Matrix3d upright(const Npz &file, const Vertices &vertices, const Vertice
   if (extent[axis] < kLeastStature * extent.maxCoeff())
     file.reject("the model does not stand: its head is not above its pelvis");
   const Eigen::Vector3d from = (up[axis] > 0 ? 1 : -1) * Eigen::Vector3d::Unit(axis);
-  return Eigen::Quaterniond::FromTwoVectors(from, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  return shortest_turn(from, Eigen::Vector3d::UnitY());
 }
 
 /// 3n x K matrix from an (n, 3, >= K) array, every direction turned.

@@ -1,5 +1,6 @@
 #include "rest_shape.h"
 
+#include "doublet/core/parts/alignment.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/core/parts/self_intersection.h"
@@ -193,7 +194,7 @@ Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<
     from.col(static_cast<Eigen::Index>(i)) = shape.row(attached[i]).transpose();
     to.col(static_cast<Eigen::Index>(i)) = scan.row(attached[i]).transpose();
   }
-  const Eigen::Matrix4d moved = Eigen::umeyama(from, to, false);
+  const Eigen::Matrix4d moved = nearest_similarity(from, to, AlignmentScale::One);
   return (shape * moved.topLeftCorner<3, 3>().transpose()).rowwise() + moved.topRightCorner<3, 1>().transpose();
 }
 

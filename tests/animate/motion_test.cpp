@@ -1,6 +1,7 @@
 #include "doublet/animate/plant_feet.h"
 #include "doublet/animate/retarget.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "doublet/files/files.h"
 #include "figure_character.h"
 #include "support/temp_folder.h"
@@ -454,7 +455,7 @@ TEST(Retarget, ZeroPoseNeedNotBeAStance) {
       for (std::size_t k = 0; k < clip.joints.size(); ++k)
         if (clip.joints[j].name.substr(1) == std::string("_") + part && clip.joints[k].parent == static_cast<int>(j))
           local[j] = Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())) *
-                     Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(zero.row(k) - zero.row(j)), Eigen::Vector3d::UnitY());
+                     shortest_turn(Eigen::Vector3d(zero.row(k) - zero.row(j)), Eigen::Vector3d::UnitY());
   for (std::size_t j = 0; j < clip.joints.size(); ++j)
     if (clip.joints[j].parent >= 0)
       clip.joints[j].offset = local[clip.joints[j].parent] * clip.joints[j].offset;

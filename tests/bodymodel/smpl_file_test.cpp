@@ -23,12 +23,13 @@ MatrixRM regressor() {
     std::iota(order.begin(), order.end(), 0);
     auto distance = [&](int i) { return (v.row(i) - toy::body().joints.row(j)).norm(); };
     std::partial_sort(order.begin(), order.begin() + 60, order.end(), [&](int a, int b) { return distance(a) < distance(b); });
-    Eigen::MatrixXd near(4, 60);
+    Eigen::Matrix<double, 4, 60> near;
     for (int i = 0; i < 60; ++i)
       near.col(i) << v.row(order[i]).transpose(), 1;
     Eigen::Vector4d target;
     target << toy::body().joints.row(j).transpose(), 1;
-    const Eigen::VectorXd weights = near.transpose() * (near * near.transpose()).ldlt().solve(target);
+    const Eigen::Matrix4d square = near * near.transpose();
+    const Eigen::VectorXd weights = near.transpose() * square.ldlt().solve(target);
     for (int i = 0; i < 60; ++i)
       matrix(j, order[i]) = weights[i];
   }

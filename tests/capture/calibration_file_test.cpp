@@ -3,6 +3,7 @@
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "doublet/files/files.h"
 #include "support/temp_folder.h"
 
@@ -414,7 +415,7 @@ TEST_F(CalibrationFiles, TheAxisThatPointsUpIsAskedFor) {
                                                                    {UpAxis::MinusZ, {0, 0, -1}}}) {
     const std::string up = kUpAxisNames[static_cast<std::size_t>(axis)];
     SCOPED_TRACE(up);
-    const auto truth = ring({1, Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), row).toRotationMatrix()}, kFive);
+    const auto truth = ring({1, shortest_turn(Eigen::Vector3d::UnitY(), row)}, kFive);
     for (const Truth &camera : truth)
       write_text(folder / (camera.name + ".yml"), opencv_yaml(camera));
     expect_refused(folder.path(), {"--up=" + up, "found that the pictures' upper edges point along " + up + ":"});

@@ -3,6 +3,7 @@
 #include "doublet/capture/person_calibration.h"
 #include "doublet/capture/pose_optimizer.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "doublet/core/skeleton.h"
 #include "support/figure.h"
 
@@ -81,7 +82,7 @@ double image_error(const Take &take, const PersonCalibration &found) {
   Vertices truth(moments * kKeypoints, 3);
   for (Eigen::Index m = 0; m < moments; ++m)
     truth.middleRows(m * kKeypoints, kKeypoints) = take.joints[found.frames[m]];
-  const Eigen::Matrix4d world = Eigen::umeyama(truth.transpose(), found.joints.transpose(), true);
+  const Eigen::Matrix4d world = nearest_similarity(truth.transpose(), found.joints.transpose(), AlignmentScale::Free);
   double sum = 0;
   for (size_t v = 0; v < take.rig.size(); ++v)
     for (Eigen::Index i = 0; i < truth.rows(); ++i) {

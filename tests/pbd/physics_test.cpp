@@ -293,7 +293,7 @@ TEST(Cloth, DampingKeepsRigidMotionAndStopsTheRest) {
     state.velocities(i, 1) += normal(random);
   run(*solver, state, {}, m, 5);
   const Eigen::VectorXd up = state.velocities.col(1).array() - state.velocities.col(1).mean();
-  Eigen::MatrixXd basis(up.size(), 3); // what is left of the shaking is a tilt at most
+  Eigen::MatrixX3d basis(up.size(), 3); // what is left of the shaking is a tilt at most
   basis << Eigen::VectorXd::Ones(up.size()), state.positions.col(0), state.positions.col(2);
   const Eigen::Vector3d fit = (basis.transpose() * basis).ldlt().solve(basis.transpose() * up);
   EXPECT_LT((up - basis * fit).cwiseAbs().maxCoeff(), 0.01);

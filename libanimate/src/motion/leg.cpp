@@ -1,5 +1,7 @@
 #include "leg.h"
 
+#include "doublet/core/parts/alignment.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -121,7 +123,7 @@ void solve_leg(const Skeleton &skeleton, const Leg &leg, const FootGoal &goal, E
     // By difference, so that a knee bent the wrong way, which has two angles for one length, does not jump.
     pose[k] = within(skeleton, k, before[k] + chain.flexion(wanted.norm()) - own, before[k]);
     const Matrix3d thigh_before = above * rotation_from_vector(before.segment<3>(h));
-    const Matrix3d turn = Quaterniond::FromTwoVectors(thigh_before * chain.hip_to_ankle(pose[k]), wanted).toRotationMatrix();
+    const Matrix3d turn = shortest_turn(thigh_before * chain.hip_to_ankle(pose[k]), wanted);
     pose.segment<3>(h) = vector_near(above.transpose() * turn * thigh_before, before.segment<3>(h));
     for (int i = 0; i < 3; ++i)
       pose[h + i] = within(skeleton, h + i, pose[h + i], before[h + i]);

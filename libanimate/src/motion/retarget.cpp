@@ -6,6 +6,7 @@
 
 #include "doublet/animate/plant_feet.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/options/options.h"
 #include "leg.h"
@@ -39,10 +40,6 @@ const std::array<LimbBone, 6> kLimb{{{"hip", {"knee"}, "pelvis"},
                                      {"shoulder", {"elbow"}, "chest"},
                                      {"elbow", {"wrist"}, "shoulder"},
                                      {"wrist", {"hand"}, "elbow"}}};
-
-Matrix3d shortest_turn(const Vector3d &from, const Vector3d &to) {
-  return Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
-}
 
 Vector3d nearest_axis(const Vector3d &v) {
   Eigen::Index k;

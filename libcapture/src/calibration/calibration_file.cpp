@@ -2,6 +2,7 @@
 
 #include "calibration_formats.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/alignment.h"
 #include "doublet/core/parts/number_text.h"
 #include "doublet/files/files.h"
 
@@ -165,7 +166,7 @@ const std::map<std::string, Eigen::Vector3d> kAxes = {{"x", {1, 0, 0}},   {"-x",
 Eigen::Matrix3d world_from_file(const std::string &up) {
   if (up == "-y")
     return Eigen::Vector3d(1, -1, -1).asDiagonal();
-  return Eigen::Quaterniond::FromTwoVectors(kAxes.at(up), Eigen::Vector3d::UnitY()).toRotationMatrix().array().round();
+  return shortest_turn(kAxes.at(up), Eigen::Vector3d::UnitY()).array().round();
 }
 
 void to_world(Camera &camera, double unit, const std::string &up) {

@@ -1,5 +1,6 @@
 #include "doublet/capture/scan_alignment.h"
 
+#include "doublet/core/parts/alignment.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/rays/ray_scene.h"
 #include "placed.h"
@@ -178,7 +179,8 @@ Placement refined(Placement placement, const RayScene &hull, const Vertices &sam
       from.col(k) = points.row(kept[k].second);
       to.col(k) = closest.row(kept[k].second);
     }
-    placement.hull_from_person = Eigen::Isometry3d(Eigen::umeyama(from, to, false)) * placement.hull_from_person;
+    placement.hull_from_person =
+        Eigen::Isometry3d(nearest_similarity(from, to, AlignmentScale::One)) * placement.hull_from_person;
   }
   placement.distance = distance_to(hull, placed(samples, placement.hull_from_person));
   return placement;
