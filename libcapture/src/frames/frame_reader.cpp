@@ -118,12 +118,8 @@ std::vector<Image> read_plates(const fs::path &path, const LensMap *lens) {
 
 ProbedFrames probe_frames(const fs::path &path, int frame_count) {
   const auto reader = FrameReader::open(path);
-  auto *video = dynamic_cast<VideoReader *>(reader.get());
-  if (const int found = video ? static_cast<int>(video->index().times.size()) : frame_count; found < frame_count)
-    throw Error(path.string() + ": expected " + std::to_string(frame_count) + " frames as session.json says, found " +
-                std::to_string(found) + (video->index().damaged ? "; the video is damaged or truncated" : ""));
-  if (video) // is of one size
-    return {reader->read(frame_count - 1).size(), video->index().fps()};
+  if (dynamic_cast<VideoReader *>(reader.get()))
+    return probe_video(path, frame_count);
   const cv::Size size = reader->read(0).size();
   const cv::Mat &last = reader->read(frame_count - 1);
   if (last.empty())

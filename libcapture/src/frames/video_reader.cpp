@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/parts/number_text.h"
+#include "file_memo.h"
 #include "image_file.h"
 
 #include <algorithm>
@@ -91,28 +92,7 @@ Packet parse_packet(const char *line, double tick) {
   return {timed ? static_cast<double>(time) * tick : kUnknown, !(flags & kDiscarded)};
 }
 
-} // namespace
-
-FrameStream::FrameStream(const fs::path &path, double seconds, int skipped)
-    : path_(path), start_(seconds), ffmpeg_(decoding(path, seconds, skipped), kAdvice) {}
-
-std::string FrameStream::complaint() {
-  return complaint_of(ffmpeg_, path_);
-}
-
-bool FrameStream::next(cv::Mat &image) {
-  if (!read_ppm(ffmpeg_.output(), image))
-    return false;
-  time_ = start_ + read_time(ffmpeg_.notes());
-  return true;
-}
-
-double VideoIndex::fps() const {
-  const double span = timed && times.size() > 1 ? times.back() - times.front() : 0;
-  return span > 0 ? static_cast<double>(times.size() - 1) / span : 0;
-}
-
-VideoIndex index_video(const fs::path &path) {
+VideoIndex list_frames(const fs::path &path) {
   Subprocess list(joined(ffmpeg(), {"-i", input_name(path), "-map", "0:V:0", "-c", "copy", "-f", "framecrc", "-"}), kAdvice);
   VideoIndex index;
   double tick = 0;
@@ -139,6 +119,44 @@ VideoIndex index_video(const fs::path &path) {
     std::sort(index.times.begin(), index.times.end());
   index.timed = known && !hidden && std::adjacent_find(index.times.begin(), index.times.end()) == index.times.end();
   return index;
+}
+
+} // namespace
+
+FrameStream::FrameStream(const fs::path &path, double seconds, int skipped)
+    : path_(path), start_(seconds), ffmpeg_(decoding(path, seconds, skipped), kAdvice) {}
+
+std::string FrameStream::complaint() {
+  return complaint_of(ffmpeg_, path_);
+}
+
+bool FrameStream::next(cv::Mat &image) {
+  if (!read_ppm(ffmpeg_.output(), image))
+    return false;
+  time_ = start_ + read_time(ffmpeg_.notes());
+  return true;
+}
+
+double VideoIndex::fps() const {
+  const double span = timed && times.size() > 1 ? times.back() - times.front() : 0;
+  return span > 0 ? static_cast<double>(times.size() - 1) / span : 0;
+}
+
+VideoIndex index_video(const fs::path &path) {
+  static FileMemo<VideoIndex> memo;
+  return memo.of(path, ffmpeg().front(), [&] { return list_frames(path); });
+}
+
+ProbedFrames probe_video(const fs::path &path, int frame_count) {
+  static FileMemo<ProbedFrames> memo;
+  return memo.of(path, ffmpeg().front() + " " + std::to_string(frame_count), [&]() -> ProbedFrames {
+    VideoReader video(path);
+    const VideoIndex &index = video.index();
+    if (const int found = static_cast<int>(index.times.size()); found < frame_count)
+      throw Error(path.string() + ": expected " + std::to_string(frame_count) + " frames as session.json says, found " +
+                  std::to_string(found) + (index.damaged ? "; the video is damaged or truncated" : ""));
+    return {video.read(frame_count - 1).size(), index.fps()}; // all of a video are of one size
+  });
 }
 
 VideoReader::VideoReader(const fs::path &path) : path_(path) {

@@ -36,6 +36,9 @@ struct VideoIndex {
 /// Without decoding. Throws Error naming the file if it is no video, or cannot be opened.
 VideoIndex index_video(const std::filesystem::path &path);
 
+/// As probe_frames(), of a video.
+ProbedFrames probe_video(const std::filesystem::path &path, int frame_count);
+
 class VideoReader : public FrameReader {
 public:
   explicit VideoReader(const std::filesystem::path &path); ///< throws FileNotFound
