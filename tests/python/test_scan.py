@@ -223,9 +223,11 @@ def test_keypoints_of_all_cameras_are_triangulated(model, tmp_path, kind):
     person = Person(model, 0.7, 3)
     session = d.Session(write_session(tmp_path / "session", person, cameras=5, before=[person.mesh]))
     write_keypoints(tmp_path / "keypoints", session, person, kind)
-    found, messages = keypoints.triangulated(keeping(session, tmp_path / "keypoints"), 0), []
+    found, messages = keypoints.kept_joints(keeping(session, tmp_path / "keypoints"), 0), []
     assert found.keys() == set(keypoints.JOINTS)
     assert max(person.errors_mm(found).values()) < 1
+    of_files = keypoints.triangulated(session, tmp_path / "keypoints", 0)
+    assert all(np.abs(of_files[name] - point).max() < 1e-4 for name, point in found.items())  # a session keeps them as floats
     with pytest.raises(ValueError, match=r"keypoints: frame 1: expected at least 6 joints .* found 0"):
         keypoints.adopt_keypoints(session, tmp_path / "keypoints", 1, messages)
     assert len(messages) == 5 and messages[0].endswith("keypoints of 1 of 3 frames")
@@ -237,7 +239,7 @@ def test_cameras_that_are_late_show_a_frame_later(model, tmp_path):
     early = [d.CalibratedCamera(camera, late=-1) for camera in d.Session(folder).rig]  # frame 1 of the session is their first
     d.write_calibration(folder / "calibration.yml", early)
     write_keypoints(tmp_path / "keypoints", d.Session(folder), person, "mediapipe")
-    found = keypoints.triangulated(keeping(d.Session(folder), tmp_path / "keypoints", frame=1), 1)
+    found = keypoints.kept_joints(keeping(d.Session(folder), tmp_path / "keypoints", frame=1), 1)
     assert max(person.errors_mm(found).values()) < 1
     with pytest.raises(ValueError, match="frame 0: expected at least 6 joints .* found 0"):
         keypoints.adopt_keypoints(d.Session(folder), tmp_path / "keypoints", 0, [])
@@ -258,7 +260,7 @@ def test_lenses_do_not_bend_what_is_triangulated(model, tmp_path):
     rig = [bent(camera) for camera in d.Session(folder).rig]
     d.write_calibration(folder / "calibration.yml", rig)
     write_keypoints(tmp_path / "keypoints", d.Session(folder), person, "mediapipe")
-    found = keypoints.triangulated(keeping(d.Session(folder), tmp_path / "keypoints"), 0)
+    found = keypoints.kept_joints(keeping(d.Session(folder), tmp_path / "keypoints"), 0)
     assert max(person.errors_mm(found).values()) < 1
 
 

@@ -13,7 +13,7 @@ from ..common.files import read_json, write_json
 from ..common.scan_frame import scan_frame
 from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
-from ..session.keypoints import adopt_keypoints, triangulated
+from ..session.keypoints import adopt_keypoints, kept_joints
 
 #: Option groups of the command.
 GROUPS = {
@@ -109,7 +109,7 @@ def scan_session(
 
 def seen_joints(job: Job, frame: int) -> dict[str, np.ndarray]:
     """name -> (3) m, of a session that has keypoints; none of others."""
-    return triangulated(job.session, frame) if job.session.keypoints.name else {}
+    return kept_joints(job.session, frame) if job.session.keypoints.name else {}
 
 
 @dataclass

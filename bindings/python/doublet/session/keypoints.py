@@ -32,9 +32,14 @@ FILE = "keypoints.npz"  #: of a session: for each camera (T, 12, 3) of its video
 FORMATS = "a list of frames, instance_info of RTMPose, or a folder of OpenPose's people, one file for each frame"
 
 
-def triangulated(session: d.Session, frame: int) -> dict[str, np.ndarray]:
-    """name -> (3) m: the joints that two cameras or more agree on at a frame of a session that has keypoints. Raises ValueError
-    where they are too few."""
+def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.ndarray]:
+    """name -> (3) m: the joints that two cameras or more agree on at a frame of the session, by a folder of keypoints of its
+    videos. Raises FileNotFoundError or ValueError naming file, expectation and finding."""
+    return agreed_at(session, Path(path), frame, keypoints_of_videos(session, Path(path), []))
+
+
+def kept_joints(session: d.Session, frame: int) -> dict[str, np.ndarray]:
+    """As triangulated(), by the keypoints that the session keeps."""
     frames = d.FrameSource.open(session)
     seen = [frames.keypoints(camera, frame) for camera in range(frames.camera_count)]
     known = [camera for camera, points in enumerate(seen) if len(points)]
@@ -76,6 +81,13 @@ def write_keypoints(folder: Path, names: Sequence[str], seen: Sequence[np.ndarra
 def adopt_keypoints(session: d.Session, path: Path, frame: int, messages: list[str]) -> str:
     """Writes the file of a session that is there, of keypoints of its videos; returns its name in session.json. Nobody was seen
     in frames behind the last one that a camera has keypoints of. Raises ValueError where cameras do not agree at `frame`."""
+    seen = keypoints_of_videos(session, path, messages)
+    agreed_at(session, path, frame, seen)
+    return write_keypoints(Path(session.folder), [camera.name for camera in session.cameras], seen)
+
+
+def keypoints_of_videos(session: d.Session, path: Path, messages: list[str]) -> list[np.ndarray]:
+    """For each camera (T, 12, 3), of all frames of its video; zeros behind the last that it has keypoints of."""
     names = [camera.name for camera in session.cameras]
     files = match(names, list_keypoints(path), what="file or folder of keypoints")
     seen = []
@@ -88,11 +100,14 @@ def adopt_keypoints(session: d.Session, path: Path, frame: int, messages: list[s
         for number in range(known):
             whole[number] = keypoints.of(number)
         seen.append(whole)
+    return seen
+
+
+def agreed_at(session: d.Session, path: Path, frame: int, seen: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
     lenses = session.lenses or [d.Lens()] * len(session.rig)
     cameras = [d.CalibratedCamera(camera, lens) for camera, lens in zip(session.rig, lenses)]
     at = [shown_at(frame, whole, camera, session.frame_count) for whole, camera in zip(seen, session.cameras)]
-    agreed(cameras, at, f"{path}: frame {frame}")
-    return write_keypoints(Path(session.folder), names, seen)
+    return agreed(cameras, at, f"{path}: frame {frame}")
 
 
 def shown_at(frame: int, whole: np.ndarray, camera: d.SessionCamera, frame_count: int) -> np.ndarray:
