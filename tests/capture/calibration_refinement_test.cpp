@@ -253,7 +253,9 @@ private:
   FrameSource &on_, &between_;
 };
 
-TEST_F(RefinedCapture, CamerasMayFilmBetweenTheFramesOfOthers) {
+using SlowRefinedCapture = RefinedCapture;
+
+TEST_F(SlowRefinedCapture, CamerasMayFilmBetweenTheFramesOfOthers) {
   constexpr double kLate = 0.4;
   const MatrixRM on_from = motion(actor, kFrames + 1);
   const MatrixRM earlier = dofs - kLate * (on_from.bottomRows(kFrames) - on_from.topRows(kFrames));
@@ -267,8 +269,6 @@ TEST_F(RefinedCapture, CamerasMayFilmBetweenTheFramesOfOthers) {
   EXPECT_EQ(result.summary.cameras[1].delay, 0);
   EXPECT_LT(joint_error(result), 0.7 * joint_error(without)) << log;
 }
-
-using SlowRefinedCapture = RefinedCapture;
 
 TEST_F(SlowRefinedCapture, GoesOnToTheSameBitsWhereverItIsStopped) {
   Late late(film, {0, 1, 0, 1, 0, 0});

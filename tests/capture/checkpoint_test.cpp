@@ -137,8 +137,8 @@ TEST_P(CaptureCheckpoint, EveryFrameGoesOnToTheSameBits) {
 std::string at_frame(const ::testing::TestParamInfo<int> &start) {
   return "AtFrame" + std::to_string(start.param);
 }
-INSTANTIATE_TEST_SUITE_P(Start, CaptureCheckpoint, ::testing::Values(0, 2), at_frame);
-INSTANTIATE_TEST_SUITE_P(SlowStart, CaptureCheckpoint, ::testing::Values(6), at_frame);
+INSTANTIATE_TEST_SUITE_P(Start, CaptureCheckpoint, ::testing::Values(0), at_frame);
+INSTANTIATE_TEST_SUITE_P(SlowStart, CaptureCheckpoint, ::testing::Values(2, 6), at_frame);
 
 // What follows is tracked by pieces that cost nothing.
 

@@ -24,7 +24,7 @@ double joint_error(const CaptureResult &result, const RiggedMesh &actor, const s
   return sum;
 }
 
-TEST(HiddenLimbs, AFootThatTurnsDoesNotTurnTheLeg) {
+TEST(SlowHiddenLimbs, AFootThatTurnsDoesNotTurnTheLeg) {
   const Scene scene;
   // The true ankle has a second hinge, about the shank.
   std::vector<JointAnnotation> marks = joint_annotations(scene.actor.skeleton);
@@ -101,7 +101,7 @@ TEST(HiddenLimbs, KneesUnderASkirtFollowFromTheShanks) {
   }
 }
 
-TEST(HiddenLimbs, TheSecondPassKnowsWhatIsLoose) {
+TEST(SlowHiddenLimbs, TheSecondPassKnowsWhatIsLoose) {
   const RiggedMesh actor = tracker_scene::figure();
   const CameraRig rig = tracker_scene::ring();
   MatrixRM dofs = MatrixRM::Zero(12, actor.skeleton.dof_count());

@@ -211,7 +211,7 @@ TEST(LostLimb, PutWrongInOneFrameIsFoundAgain) {
     EXPECT_LT(hand_error(with, scene, truth, t), 0.03) << "frame " << t;
 }
 
-TEST(LostLimb, ThatJumpedBetweenFramesIsFoundAgain) {
+TEST(SlowLostLimb, ThatJumpedBetweenFramesIsFoundAgain) {
   const Scene scene;
   const int frames = 6, turned = scene.dof("l_shoulder.z");
   MatrixRM truth = MatrixRM::Zero(frames, scene.truth.size());

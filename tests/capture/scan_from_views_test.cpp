@@ -108,7 +108,7 @@ TEST(ScanFromViews, FourCamerasMakeNoPhantom) {
   EXPECT_LT((scan.vertices.colwise().maxCoeff() - high).maxCoeff(), 0.1);
 }
 
-TEST(ScanFromViews, WhereCamerasAgreeTheHullIsPressedIn) {
+TEST(SlowScanFromViews, WhereCamerasAgreeTheHullIsPressedIn) {
   const Mesh drum = dented_drum();
   CameraRig rig;
   for (int c = 0; c < 8; ++c) {

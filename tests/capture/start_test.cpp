@@ -87,7 +87,7 @@ TEST(Start, ItsPoseIsFoundInATakeThatIsNeverInTheScans) {
   EXPECT_LT(worst_joint_error(scene, result, dofs), 0.03);
 }
 
-TEST(Start, TheFrameThatIsAskedForIsTaken) {
+TEST(SlowStart, TheFrameThatIsAskedForIsTaken) {
   Scene scene;
   const MatrixRM dofs = reversed(raised_arms(scene, 8));
   CaptureOptions options;
@@ -164,7 +164,7 @@ struct Numbered : Masks {
   std::vector<int> asked;
 };
 
-TEST(Start, MatchesAreWithTheFrameThatWasFilmedBefore) {
+TEST(SlowStart, MatchesAreWithTheFrameThatWasFilmedBefore) {
   Scene scene;
   constexpr int kFrames = 24;
   MatrixRM dofs = MatrixRM::Zero(kFrames, scene.truth.size());

@@ -21,7 +21,7 @@ from doublet import reconstruct
 from nbclient import NotebookClient
 from PIL import Image
 
-FIRST, COUNT = 0, 64  # from the scan pose on, as far as the skirt swings
+FIRST, COUNT = 0, 44  # from the scan pose on, as far as the skirt swings
 OPTIONS = [
     "--capture-first-frame",
     FIRST,

@@ -9,6 +9,7 @@ import pytest
 from conftest import doublet
 from doublet import reconstruct
 
+pytestmark = pytest.mark.slow
 OPTIONS = ("--capture-frame-count", 4, "--template-poisson-depth", 8, "--keep-going")
 
 

@@ -94,7 +94,7 @@ def public_headers() -> dict[str, str]:
 
 def test_every_interface_says_what_is_called_from_several_threads():
     """docs/architecture.md, "The shape of a stage"."""
-    classes = re.compile(r"((?:^///.*\n)*)^class (\w+)[^;{]*\{\n(.*?)^\};", re.MULTILINE | re.DOTALL)
+    classes = re.compile(r"((?:^///[^\n]*\n)*)^class (\w+)[^;{]*\{\n(.*?)^\};", re.MULTILINE | re.DOTALL)
     interfaces = {
         name: comment + body
         for text in public_headers().values()
