@@ -298,9 +298,9 @@ def test_the_same_bits_for_any_number_of_threads(made, tmp_path):
 
 
 PICTURES = {
-    "overview": ["{motion}", "--frame", 56, "--new", 76],
-    "dance": ["--truth", "{truth}", "--frames", 0, 55],
-    "captured": ["--frames", 20, 60],
+    "overview": ["{motion}", "--frame", 40, "--new", 76],
+    "dance": ["--truth", "{truth}", "--frames", 0, 40],
+    "captured": ["--frames", 20, 40],
     "template": [],
     "segmentation": [],
     "garment": [],
