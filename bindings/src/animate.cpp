@@ -397,8 +397,10 @@ void bind_texture(py::module_ &m) {
       .def_readonly("mesh", &DisplayMesh::mesh, "M_high, scan pose")
       .def_readonly("valid", &DisplayMesh::valid, "(FH) 0 = not drawn")
       .def_readonly("garment_subdivisions", &DisplayMesh::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
-  m.def("build_display_mesh", &build_display_mesh, py::arg("actor"), py::arg("segmentation"), py::arg("high"), Release(),
-        "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.");
+  m.def("build_display_mesh", &build_display_mesh, py::arg("actor"), py::arg("segmentation"), py::arg("high"),
+        py::arg("body") = Mesh{}, Release(),
+        "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place. What "
+        "lies on `body` as its skin does is not taken for what closes the scan below a hem.");
   m.def("drawn_faces", &drawn_faces, py::arg("character"), Release(),
         "TexturedFaces of the valid faces of M_high. Raises Error naming the part of the character that does not fit.");
   m.def(

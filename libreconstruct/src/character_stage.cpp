@@ -126,8 +126,8 @@ Json run_character(Reconstruction &reconstruction) {
   const std::vector<Vertices> simulated =
       simulate_reference(results.simulator(solver.cloth), performance, materials, solver.dt,
                          reconstruction.options.fit.energy.settle_frames, reconstruction.context());
-  const DisplayMesh display =
-      build_display_mesh(dressed.actor, dressed.segmentation, read_mesh(reconstruction.path("template_high.ply")));
+  const DisplayMesh display = build_display_mesh(dressed.actor, dressed.segmentation,
+                                                 read_mesh(reconstruction.path("template_high.ply")), results.body().body);
   Character character = make_character(dressed.actor, dressed.segmentation, results.body(), results.proxies(), materials, solver,
                                        display.mesh, display.valid, display.garment_subdivisions);
   character.name = reconstruction.session().name;

@@ -174,6 +174,10 @@ TEST(DisplaySurface, WhatTheMaskLeftOfTheSheetIsNotDrawn) {
     legs += display.mesh.vertices(display.mesh.faces(f, 0), 1) < kHem - 0.001;
   }
   EXPECT_EQ(legs, 30 * 40 * 2);
+
+  const Mesh body = join({sheet(14, 60), leg(30, 40)}); // such as a shoulder beside an armhole
+  const DisplayMesh of_the_body = build_display_mesh(w.actor, w.segmentation, w.high, body);
+  EXPECT_GT((face_normals(of_the_body.mesh.vertices, of_the_body.mesh.faces).col(1).array() < -0.9).count(), 500);
 }
 
 TEST(DisplaySurface, BridgedFoldIsNotFollowed) {

@@ -214,7 +214,7 @@ def calls(world, folder) -> dict:
                 high_valid=[1] * len(w.high.faces),
             ),
         ),
-        "build_display_mesh": (d.build_display_mesh, dict(**clothed, high=w.high)),
+        "build_display_mesh": (d.build_display_mesh, dict(**clothed, high=w.high, body=w.body.body)),
         "DisplaySurface": (d.DisplaySurface, {"character": w.character}),
         "DisplaySurface.apply": (display.apply, {"surface": v}),
         "DisplaySurface.sample": (display.sample, {"values": np.ones((len(v), 2))}),

@@ -5,6 +5,7 @@
 #include "doublet/rays/ray_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -14,7 +15,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTakenBack = 0.02;    // m, the scan's edge is ragged, and what closes the scan below a hem begins there
+// m, the scan's edge is ragged, and what closes the scan below a hem begins there. Where the scan is about twice as wide as that,
+// as between the fronts of a coat, it may fall apart where the body, whose triangles are others, does not: a little more or less.
+constexpr std::array kTakenBack = {0.02, 0.025, 0.015, 0.03, 0.035, 0.04};
 constexpr double kBesideHidden = 0.05; // m, the scan ends at a garment where it ends so close to what is hidden of the body
 constexpr double kSameSkin = 0.03;     // m, body and scan are the same skin up to here
 constexpr double kNoOverlap = 0.002;   // m, between the body and the scan
@@ -95,7 +98,7 @@ std::vector<Loop> loops_at_garments(const Mesh &skin, const Mesh &body, const st
 }
 
 /// (B) m, > 0 on the scan, from where it is taken back to; -infinity where body and scan are not the same skin.
-Eigen::VectorXd on_the_body(const Mesh &skin, const Eigen::VectorXd &from_the_edge, const Mesh &body) {
+Eigen::VectorXd on_the_body(const Mesh &skin, const Eigen::VectorXd &from_the_edge, double taken_back, const Mesh &body) {
   const RayScene scene(skin);
   const Vertices normals = vertex_normals(body.vertices, body.faces), skin_normals = face_normals(skin.vertices, skin.faces);
   Eigen::VectorXd field(body.vertices.rows());
@@ -104,7 +107,7 @@ Eigen::VectorXd on_the_body(const Mesh &skin, const Eigen::VectorXd &from_the_ed
     const bool same = at.distance < kSameSkin && skin_normals.row(at.face).dot(normals.row(v)) > 0;
     field[v] = same ? 0 : -std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3 && same; ++k) // what is far is infinitely far
-      field[v] += at.barycentric[k] > 0 ? at.barycentric[k] * (from_the_edge[skin.faces(at.face, k)] - kTakenBack) : 0;
+      field[v] += at.barycentric[k] > 0 ? at.barycentric[k] * (from_the_edge[skin.faces(at.face, k)] - taken_back) : 0;
   }
   return field;
 }
@@ -234,23 +237,14 @@ std::vector<int> chosen_faces(const std::vector<std::uint8_t> &flags) {
   return chosen;
 }
 
-} // namespace
-
-std::optional<WeldedSkin> weld_body(const Mesh &skin, const Mesh &whole_body, const std::vector<std::uint8_t> &hidden) {
-  const std::vector<Loop> ragged = loops_at_garments(skin, whole_body, hidden);
-  if (ragged.empty())
-    return {};
-  Loop edge;
-  for (const Loop &loop : ragged)
-    edge.insert(edge.end(), loop.begin(), loop.end());
-  const Eigen::VectorXd from_the_edge =
-      edge_distances(skin.vertices, vertex_neighbours(skin.faces, static_cast<int>(skin.vertices.rows())), edge);
+/// `from_the_edge` (V): m along the skin from where it ends at a garment.
+std::optional<WeldedSkin> weld_taken_back(const Mesh &skin, const Eigen::VectorXd &from_the_edge, double taken_back,
+                                          const Mesh &whole_body, const std::vector<std::uint8_t> &hidden) {
   std::vector<std::uint8_t> kept_skin(skin.faces.rows());
   for (Eigen::Index f = 0; f < skin.faces.rows(); ++f)
-    kept_skin[f] = from_the_edge[skin.faces(f, 0)] >= kTakenBack && from_the_edge[skin.faces(f, 1)] >= kTakenBack &&
-                   from_the_edge[skin.faces(f, 2)] >= kTakenBack;
+    kept_skin[f] = from_the_edge(skin.faces.row(f).transpose()).minCoeff() >= taken_back;
   turn_small_pieces(skin, 1, kept_skin);
-  std::vector<std::uint8_t> kept_body = going_on(whole_body, hidden, on_the_body(skin, from_the_edge, whole_body));
+  std::vector<std::uint8_t> kept_body = going_on(whole_body, hidden, on_the_body(skin, from_the_edge, taken_back, whole_body));
   if (kept_body.empty())
     return {};
   turn_small_pieces(whole_body, 1, kept_body);
@@ -283,6 +277,22 @@ std::optional<WeldedSkin> weld_body(const Mesh &skin, const Mesh &whole_body, co
   for (std::size_t i = 0; i < between.size(); ++i)
     welded.mesh.faces.row(scan.faces.rows() + body.faces.rows() + static_cast<Eigen::Index>(i)) = between[i];
   return welded;
+}
+
+} // namespace
+
+std::optional<WeldedSkin> weld_body(const Mesh &skin, const Mesh &body, const std::vector<std::uint8_t> &hidden) {
+  Loop edge;
+  for (const Loop &loop : loops_at_garments(skin, body, hidden))
+    edge.insert(edge.end(), loop.begin(), loop.end());
+  if (edge.empty())
+    return {};
+  const Eigen::VectorXd from_the_edge =
+      edge_distances(skin.vertices, vertex_neighbours(skin.faces, static_cast<int>(skin.vertices.rows())), edge);
+  for (const double taken_back : kTakenBack)
+    if (std::optional<WeldedSkin> welded = weld_taken_back(skin, from_the_edge, taken_back, body, hidden))
+      return welded;
+  return {};
 }
 
 std::vector<int> weld_vertices(const Faces &faces, Eigen::Index first_body_vertex) {

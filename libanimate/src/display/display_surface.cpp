@@ -33,6 +33,7 @@ constexpr double kNearHem = 0.15;    // m, about the radius of what closes a hem
 constexpr double kFacesOut = 0.5;    // ... cosine of its normals to the way the garment ends
 constexpr double kCarried = 0.05;    // m from the weld, within which the scan's skin goes over to the body's weights
 constexpr double kEnough = 0.02;     // share of M's skin weights that tells how a joint stands
+constexpr double kOnBody = 0.012;    // m, about the error of the fitted body: nearer, what faces as it does is its skin
 constexpr double kCrumb = 0.005;     // m^2, skin in smaller pieces is what the mask left of the sheet below a hem
 
 Vector3d centre_of(const Mesh &mesh, int f) {
@@ -235,10 +236,25 @@ private:
   std::vector<Vector3d> places_, ways_;
 };
 
-/// Takes from the valid faces what the mask left of the sheet that closes the scan below a hem: joined to what is not drawn, and
-/// looking out of the garment.
-void drop_sheet(const Mesh &high, const Hem &hem, std::vector<std::uint8_t> &valid) {
+/// [F] faces that lie on the body as its skin does; none without a body.
+std::vector<std::uint8_t> skin_of(const Mesh &body, const Mesh &high, const Vertices &normals) {
+  std::vector<std::uint8_t> is_skin(high.faces.rows(), 0);
+  if (body.faces.rows() == 0)
+    return is_skin;
+  const RayScene scene(body);
+  const Vertices body_normals = face_normals(body.vertices, body.faces);
+  for (int f = 0; f < high.faces.rows(); ++f) {
+    const ClosestPoint at = scene.closest(centre_of(high, f));
+    is_skin[f] = at.distance < kOnBody && body_normals.row(at.face).dot(normals.row(f)) > kSameSide;
+  }
+  return is_skin;
+}
+
+/// Takes from the valid faces what the mask left of the sheet that closes the scan below a hem: joined to what is not drawn,
+/// looking out of the garment, and no skin of the body, which a shoulder beside an armhole is.
+void drop_sheet(const Mesh &high, const Hem &hem, const Mesh &body, std::vector<std::uint8_t> &valid) {
   const Vertices normals = face_normals(high.vertices, high.faces);
+  const std::vector<std::uint8_t> is_skin = skin_of(body, high, normals);
   std::vector<std::vector<int>> beside(high.faces.rows());
   for (const Eigen::Vector2i &pair : edge_topology(high.faces).edge_faces)
     if (pair[1] >= 0) {
@@ -251,7 +267,7 @@ void drop_sheet(const Mesh &high, const Hem &hem, std::vector<std::uint8_t> &val
       front.push_back(f);
   for (std::size_t i = 0; i < front.size(); ++i)
     for (int f : beside[front[i]])
-      if (valid[f] && hem.closed_by(centre_of(high, f), normals.row(f))) {
+      if (valid[f] && !is_skin[f] && hem.closed_by(centre_of(high, f), normals.row(f))) {
         valid[f] = 0;
         front.push_back(f);
       }
@@ -313,18 +329,20 @@ Eigen::Isometry3d rigid_motion(const Vertices &from, const Vertices &to, const s
 
 } // namespace
 
-DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high) {
+DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high, const Mesh &body) {
   require_actor(actor, "build_display_mesh");
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "build_display_mesh");
   require_usable(high, "build_display_mesh: high");
+  if (body.faces.rows() > 0)
+    require_usable(body, "build_display_mesh: body");
   const detail::Worn garment = detail::worn_garment(actor, segmentation);
   std::vector<std::uint8_t> bare(actor.mesh.faces.rows(), 1);
   for (int f : garment.faces)
     bare[f] = 0;
-  const RayScene body(actor.mesh, bare);
+  const RayScene uncovered(actor.mesh, bare);
   DisplayMesh display{high, std::vector<std::uint8_t>(high.faces.rows())};
   for (int f = 0; f < high.faces.rows(); ++f)
-    display.valid[f] = actor.face_valid[body.closest(centre_of(high, f)).face];
+    display.valid[f] = actor.face_valid[uncovered.closest(centre_of(high, f)).face];
   if (garment.faces.empty())
     return display;
   display.garment_subdivisions = levels_for(garment, segmentation, high);
@@ -332,7 +350,7 @@ DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segm
       detail::subdivide(garment.mesh.faces, static_cast<int>(garment.mesh.vertices.rows()), display.garment_subdivisions);
   const Mesh cloth = displaced(garment.mesh, fine, high);
   const Eigen::VectorXd cloth_clothness = clothness_of(garment.vertices, fine.weights, segmentation);
-  drop_sheet(high, Hem(cloth, cloth_clothness), display.valid);
+  drop_sheet(high, Hem(cloth, cloth_clothness), body, display.valid);
   const Seam seam(cloth, cloth_clothness);
   Mesh skin = submesh(high, without_crumbs(high, seam.skin(high, display.valid)));
   for (Eigen::Index v = 0; v < skin.vertices.rows(); ++v)

@@ -26,8 +26,10 @@ struct DisplayMesh {
 
 /// `high`: M_high as scanned, closed. Its faces are drawn where the nearest of M's is valid. Where the actor wears a garment
 /// (`clothness` has a rest shape) that takes their place, as fine as `high`; the skin goes on below the seam, sunk under the
-/// garment, so that it does not open. Throws Error on unusable meshes.
-DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high);
+/// garment, so that it does not open. With a body, what lies on it as its skin does is not taken for the sheet that closes the
+/// scan below a hem. Throws Error on unusable meshes.
+DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high,
+                               const Mesh &body = {});
 
 /// Memory of DisplaySurface::apply().
 struct DisplayBuffers {
