@@ -26,7 +26,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 from doublet.cli.common_flags import DOUBTFUL
-from doublet.common.video import VideoWriter
+from doublet.common.video import VideoWriter, read_video
 from doublet.evaluation.cameras import compare
 from doublet.session.keypoints import JOINTS, filmed_keypoints, write_keypoints
 from doublet.session.new_session import new_session
@@ -208,7 +208,8 @@ def make_session(source: Path, flaws: Flaws, folder: Path, seed: int, person: Pe
     if person.tracked:
         names = [camera.name for camera in rig]
         numbers = [np.maximum(np.arange(session.frame_count) - int(flaws.late and index % 2), 0) for index in range(len(names))]
-        description["keypoints"] = write_keypoints(folder, names, filmed_keypoints(keypoints, names, numbers))
+        videos = [read_video(folder / f"videos/{name}.mp4") for name in names]
+        description["keypoints"] = write_keypoints(folder, names, filmed_keypoints(keypoints, names, videos, numbers))
     (folder / "session.json").write_text(json.dumps(description, indent=1), encoding="utf-8")  # last: it is complete
 
 

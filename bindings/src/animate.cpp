@@ -29,7 +29,7 @@ py::object stacked_once(const py::object &self, const char *key, const std::vect
 SourceMotion source_motion(const std::vector<std::string> &names, const std::vector<int> &parents, const Vertices &offsets,
                            const py::array_t<double, py::array::c_style | py::array::forcecast> &positions,
                            const py::array_t<double, py::array::c_style | py::array::forcecast> &rotations, double fps,
-                           const std::string &source) {
+                           const std::string &source, const Eigen::Vector3d &up) {
   const std::size_t joints = names.size();
   if (parents.size() != joints || offsets.rows() != static_cast<Eigen::Index>(joints))
     throw std::invalid_argument("SourceMotion: expected a parent and an offset for each of " + std::to_string(joints) +
@@ -39,6 +39,7 @@ SourceMotion source_motion(const std::vector<std::string> &names, const std::vec
   SourceMotion motion;
   motion.source = source;
   motion.fps = fps;
+  motion.up = up;
   for (std::size_t j = 0; j < joints; ++j)
     motion.joints.push_back({names[j], parents[j], offsets.row(static_cast<Eigen::Index>(j))});
   motion.positions = unstack(positions, "positions");
@@ -127,15 +128,16 @@ void bind_motion(py::module_ &m) {
           "that "
           "moves the body")
       .def(py::init(&source_motion), py::arg("joint_names"), py::arg("joint_parents"), py::arg("offsets"), py::arg("positions"),
-           py::arg("rotations"), py::arg("fps"), py::arg("source") = "arrays",
+           py::arg("rotations"), py::arg("fps"), py::arg("source") = "arrays", py::arg("up") = Eigen::Vector3d::Zero().eval(),
            "From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, "
            "3) "
            "in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of "
-           "length.")
+           "length. up: the axis of the world that usually points up in such clips; 0 = any.")
       .def_readonly("source", &SourceMotion::source, "file name, for messages")
       .def_readonly("animations", &SourceMotion::animations, "names of all that the file has, where it can have several (.glb)")
       .def_readonly("animation", &SourceMotion::animation, "which of these this is, counted from 0")
       .def_readonly("fps", &SourceMotion::fps, "frames a second")
+      .def_readonly("up", &SourceMotion::up, "axis of the world that points up, where the format has one; 0 = any")
       .def_property_readonly("frame_count", &SourceMotion::frame_count, "T")
       .def_property_readonly(
           "joint_names",
@@ -171,6 +173,8 @@ void bind_motion(py::module_ &m) {
   m.def("retarget", &retarget, py::arg("clip"), py::arg("skeleton"), py::arg("options") = RetargetOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.");
+  m.def("up_of_world", &up_of_world, py::arg("clip"), py::arg("given") = std::map<std::string, std::string>{}, Release(),
+        "The axis of the clip's world that points up, as retarget() finds it. given: our joint -> name in the clip.");
   Class<JointMatch>(m, "JointMatch", "Which joint of a clip plays one of our joints, and why.")
       .def_readonly("part", &JointMatch::part, "our joint")
       .def_readonly("joint", &JointMatch::joint, "index into the clip's joint_names; -1 = none")

@@ -350,6 +350,68 @@ TEST(Retarget, WhoLiesIsNotSetUprightAndAWorldOnItsSideIs) {
   EXPECT_LT(chest_from_hip(turned, Eigen::Vector3d::UnitY())[0].y(), 0.3 * standing) << "the format has +Y up";
 }
 
+TEST(Retarget, WhoLiesIsNotSetUprightWhereverTheFloorIs) {
+  const Skeleton skeleton = figure_skeleton();
+  MatrixRM crawling = MatrixRM::Zero(20, skeleton.dof_count()), still = crawling;
+  crawling.col(1).setConstant(-3);
+  crawling.col(2) = Eigen::VectorXd::LinSpaced(20, 0, 1.5);
+  crawling.col(4).setConstant(M_PI / 2); // face down, the head along +Z
+  still.col(1).setConstant(-3);
+  still.rightCols(still.cols() - 3).leftCols(2).setConstant(M_PI / 2); // along +X
+  const auto slope = [&](const MatrixRM &dofs) {
+    const Motion motion = retarget(parse_bvh(figure_bvh(skeleton, dofs, 100, 40), "a.bvh"), skeleton, alone());
+    const Vertices joints = joint_positions(skeleton, forward_kinematics(skeleton, motion.dofs.row(19)));
+    return (joints.row(skeleton.find("chest")) - joints.row(skeleton.find("l_hip"))).normalized().y();
+  };
+  EXPECT_LT(slope(crawling), 0.3);
+  EXPECT_LT(slope(still), 0.3);
+}
+
+TEST(Retarget, TheAxisThatAFormatHasDecidesWhereTheBodyMayLie) {
+  const Skeleton skeleton = figure_skeleton();
+  MatrixRM lying = MatrixRM::Zero(20, skeleton.dof_count());
+  lying.col(1) = Eigen::VectorXd::LinSpaced(20, 1, 3); // along +Y of a world with +Z up, 20 cm over the floor
+  lying.col(2).setConstant(0.2);
+  SourceMotion clip = parse_bvh(figure_bvh(skeleton, lying, 1, 40), "a.bvh");
+  const auto slope = [&] {
+    const Motion motion = retarget(clip, skeleton, alone());
+    const Vertices joints = joint_positions(skeleton, forward_kinematics(skeleton, motion.dofs.row(19)));
+    return (joints.row(skeleton.find("chest")) - joints.row(skeleton.find("l_hip"))).normalized().y();
+  };
+  EXPECT_GT(slope(), 0.9);
+  clip.up = Eigen::Vector3d::UnitZ();
+  EXPECT_LT(slope(), 0.3);
+}
+
+/// The same motion counted from another zero pose: how the joints stand at a frame.
+SourceMotion from_frame(SourceMotion clip, int frame) {
+  const Vertices zero = clip.positions[frame];
+  const std::vector<Eigen::Quaterniond> turned = clip.rotations[frame];
+  for (std::size_t j = 0; j < clip.joints.size(); ++j) {
+    const int p = clip.joints[j].parent;
+    clip.joints[j].offset = zero.row(j) - (p < 0 ? Eigen::RowVector3d::Zero().eval() : zero.row(p).eval());
+    for (auto &rotations : clip.rotations)
+      rotations[j] = rotations[j] * turned[j].conjugate();
+  }
+  return clip;
+}
+
+TEST(Retarget, AZeroPoseThatIsAFrameOfTheMotionDoesNotSetTheTrunkUpright) {
+  const Skeleton skeleton = figure_skeleton();
+  MatrixRM dofs = marching(skeleton, 40, 40);
+  dofs.col(4).setConstant(0.4);                // leans ahead ...
+  dofs.bottomRows(20).col(5).setConstant(0.3); // ... then to a side
+  const SourceMotion clip = parse_bvh(figure_bvh(skeleton, dofs, 1, 40), "a.bvh");
+  RetargetOptions options = alone();
+  options.ground_feet = false;
+  const Motion right = retarget(clip, skeleton, options);
+  for (const int zero : {0, 10, 35}) {
+    const Motion motion = retarget(from_frame(clip, zero), skeleton, options);
+    for (int t = 0; t < 40; t += 3)
+      EXPECT_LT(joint_distance(skeleton, motion.dofs.row(t), right.dofs.row(t)), 0.03) << zero << " " << t;
+  }
+}
+
 TEST(Retarget, FeetReachTheFloor) {
   const Skeleton skeleton = figure_skeleton();
   MatrixRM dofs = marching(skeleton, 30, 40);
@@ -397,6 +459,26 @@ TEST(Retarget, ReferenceFirstFrameIsLeftOut) {
   dofs.row(0).setZero();
   dofs.bottomRows(20).col(2).array() += 4;
   EXPECT_EQ(retarget(parse_bvh(figure_bvh(skeleton, dofs, 1, 40), "a.bvh"), skeleton, alone()).dofs.rows(), 20);
+}
+
+TEST(Retarget, OneJointPlaysOnePart) {
+  const Skeleton skeleton = figure_skeleton();
+  const SourceMotion clip = parse_bvh(figure_bvh(skeleton, marching(skeleton, 4, 40), 1, 40), "a.bvh");
+  const auto message = [&](const std::map<std::string, std::string> &given) -> std::string {
+    try {
+      match_joints(clip, given);
+      return "no error";
+    } catch (const Error &error) {
+      return error.what();
+    }
+  };
+  const std::string both = "a.bvh: expected another joint for l_hip and r_hip, found 'r_hip' for both";
+  EXPECT_EQ(message({{"l_hip", "r_hip"}, {"r_hip", "r_hip"}}).rfind(both, 0), 0u);
+  EXPECT_EQ(message({{"l_hip", "r_hip"}}).rfind(both, 0), 0u) << "that of the other is found by its name";
+  EXPECT_NE(message({{"l_ankle", "l_toe"}, {"l_toe", "l_toe"}}), "no error");
+  EXPECT_NE(message({{"chest", "l_hip"}}), "no error");
+  EXPECT_EQ(message({{"chest", "pelvis"}}), "no error") << "a trunk of one piece";
+  EXPECT_EQ(message({{"l_hand", "l_wrist"}, {"l_toe", ""}}), "no error");
 }
 
 TEST(Retarget, NamesOfTheField) {
@@ -500,15 +582,16 @@ TEST(Retarget, UnknownSkeletonSaysWhatIsMissing) {
 
 TEST(Retarget, BonesHaveALength) {
   const Skeleton skeleton = figure_skeleton();
-  const SourceMotion clip = parse_bvh(figure_bvh(skeleton, marching(skeleton, 4, 40), 1, 40), "a.bvh");
-  RetargetOptions options = alone();
-  options.joint_names = {{"l_wrist", "l_elbow"}, {"l_hand", ""}};
+  SourceMotion clip = parse_bvh(figure_bvh(skeleton, marching(skeleton, 4, 40), 1, 40), "a.bvh");
+  const std::map<std::string, int> found = match_joints(clip);
+  for (Vertices &places : clip.positions)
+    places.row(found.at("l_wrist")) = places.row(found.at("l_elbow")).eval();
   try {
-    retarget(clip, skeleton, options);
+    retarget(clip, skeleton, alone());
     ADD_FAILURE();
   } catch (const Error &error) {
     EXPECT_EQ(std::string(error.what()),
-              "a.bvh: expected l_elbow and l_wrist at two places, found 'l_elbow' and 'l_elbow' at one");
+              "a.bvh: expected l_elbow and l_wrist at two places, found 'l_elbow' and 'l_wrist' at one");
   }
 }
 

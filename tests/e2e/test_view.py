@@ -257,9 +257,13 @@ def test_what_is_no_file_of_ours_gets_a_sentence(own_page):
     drop(own_page, "notes.txt", b"nothing")
     until(own_page, "document.getElementById('status').textContent !== ''")
     status = own_page.find_element(By.ID, "status")
-    assert status.text == "notes.txt: expected a .bvh, a .glb, a .png or a .jpg" and "problem" in status.get_attribute("class")
+    assert status.text == "notes.txt: expected a .bvh, .glb, .vrm, .vrma, .png or .jpg" and "problem" in status.get_attribute(
+        "class"
+    )
     drop(own_page, "broken.bvh", b"HIERARCHY\nROOT\n")
     until(own_page, "document.getElementById('status').textContent.startsWith('broken.bvh')")
+    drop(own_page, "broken.vrma", b"HIERARCHY\nROOT\n")
+    until(own_page, "document.getElementById('status').textContent.startsWith('broken.vrma: expected a GLB')")
 
 
 def test_space_pauses_and_the_timeline_leads_anywhere(own_page):

@@ -314,7 +314,7 @@ def calls(world, folder) -> dict:
 #: Functions without arrays, or whose damaged input is a file (tests/fuzz) or an object of ours.
 ELSEWHERE = {
     "check_session", "common_widths", "filmed", "read_widths",
-    "minimise", "explain_match", "retarget", "session_silhouettes", "train_body_model", "write_materials",
+    "minimise", "explain_match", "retarget", "up_of_world", "session_silhouettes", "train_body_model", "write_materials",
     "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
     "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",
     "detect_joints", "require_scanned", "surface_refiner_violations",

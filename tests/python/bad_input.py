@@ -631,6 +631,7 @@ spoilt_by(
     a_joint_that_is_not_ours=content("map.toml", '[joints]\nl_tail = "spine"'),
     a_joint_that_the_clip_has_not=content("map.toml", '[joints]\nl_hip = "LeftUpLeg"'),
     a_number_for_a_joint=content("map.toml", "[joints]\nl_hip = 3"),
+    a_joint_that_is_both_hips=content("map.toml", '[joints]\nl_hip = "spine"\nr_hip = "spine"'),
 )
 spoilt_by(
     "Motion",

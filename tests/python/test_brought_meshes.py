@@ -67,6 +67,25 @@ def test_stl(tmp_path, content):
     require_box(tmp_path / "box.stl")
 
 
+@pytest.mark.parametrize("counted", [0, 5])
+def test_an_stl_that_was_not_counted_to_its_end_is_whole(tmp_path, counted):
+    data = bytearray(stl())
+    data[80:84] = struct.pack("<I", counted)
+    (tmp_path / "box.stl").write_bytes(data)
+    require_box(tmp_path / "box.stl")
+
+
+@pytest.mark.parametrize("behind", [b"", b"\n", b"\0" * 7])
+def test_ply_with_texture_behind_the_corners_of_each_face(tmp_path, behind):
+    """As MeshLab writes them; and what programs leave behind the last face."""
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+    head += f"element face {len(TRIANGLES)}\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+    faces = [struct.pack("<B3iB6f", 3, *face, 6, *[0.5] * 6) for face in TRIANGLES]
+    data = (head + "end_header\n").encode() + CORNERS.astype("<f4").tobytes() + b"".join(faces) + behind
+    (tmp_path / "box.ply").write_bytes(data)
+    require_box(tmp_path / "box.ply")
+
+
 def test_a_truncated_stl_is_refused(tmp_path):
     (tmp_path / "box.stl").write_bytes(stl(b"solid")[:-1])
     with pytest.raises(d.Error, match="expected an STL file of 684 bytes for its 12 triangles, found 683 bytes"):

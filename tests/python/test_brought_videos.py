@@ -15,7 +15,7 @@ import pytest
 from doublet.common.images import counted
 from doublet.common.video import read_video
 from doublet.session.external_masks import read_masks
-from doublet.session.keypoints import CameraKeypoints, joints_of
+from doublet.session.keypoints import CameraKeypoints, joints_of, read_keypoints
 from doublet.session.new_session import Request, new_session
 from PIL import Image
 
@@ -187,7 +187,7 @@ def save_series(folder: Path, numbers, form="{:06d}.png", first=101) -> None:
         Image.fromarray(picture(n)).save(folder / form.format(first + n))
 
 
-@pytest.mark.parametrize("form", ["{:06d}.png", "frame_{}.png", "take2_img{:04d}_left.png"])
+@pytest.mark.parametrize("form", ["{:06d}.png", "frame_{}.png", "take2_img{:04d}_left.png", "{}_cam2_1080p.png"])
 def test_a_series_with_a_gap_stays_in_step(tmp_path, form):
     save_series(tmp_path / "films/cam0", range(20), form)
     save_series(tmp_path / "films/cam1", [k for k in range(20) if k not in (7, 12, 13)], form)
@@ -224,6 +224,32 @@ def test_images_that_are_named_after_a_clock_stay_in_step(tmp_path, lost):
     first = 2 if 0 in lost else 0
     assert cam0 == list(range(first, 20))
     assert cam1 == [None if k in lost else k for k in range(first, 20)]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        lambda k: f"{1403636579 + (40 * k + 700) // 1000}.{(40 * k + 700) % 1000:03d}",
+        lambda k: f"{1403636579 + (40 * k + 700) / 1000:.9f}".rstrip("0"),
+        lambda k: f"12-30-{9 + (40 * k + 700) // 1000}-{(40 * k + 700) % 1000:03d}",
+    ],
+    ids=["seconds", "seconds without zeros at their ends", "times of the day"],
+)
+def test_images_that_are_named_after_a_time_are_in_its_order(tmp_path, name):
+    for c in range(CAMERAS):
+        (tmp_path / f"films/cam{c}").mkdir(parents=True)
+        for k in range(20):
+            Image.fromarray(picture(k)).save(tmp_path / f"films/cam{c}/{name(k)}.png")
+    assert shown(session_of(tmp_path, fps=25)) == [list(range(20))] * 2
+
+
+def test_images_that_are_named_after_seconds_stay_in_step(tmp_path):
+    for c, lost in enumerate(((), (7, 12, 13))):
+        (tmp_path / f"films/cam{c}").mkdir(parents=True)
+        for k in (k for k in range(20) if k not in lost):
+            Image.fromarray(picture(k)).save(tmp_path / f"films/cam{c}/{1403636579.7 + 0.04 * k:.6f}.png")
+    cam0, cam1 = shown(session_of(tmp_path, fps=25))
+    assert cam0 == list(range(20)) and cam1 == [None if k in (7, 12, 13) else k for k in range(20)]
 
 
 def test_numbers_that_do_not_count_images():
@@ -328,6 +354,22 @@ def test_a_palette_may_have_any_order(tmp_path, name):
     np.testing.assert_array_equal(mask, ACTOR)
 
 
+def test_parts_of_a_person_may_be_dark_without_a_palette(tmp_path):
+    parts = np.where(ACTOR[..., None], (0, 0, 85), 0).astype(np.uint8)
+    parts[20:50, 40:70] = 85, 51, 0
+    parts[20:30, 50:60] = 254, 0, 0
+    Image.fromarray(parts).save(tmp_path / "0.png")
+    masks = read_masks(tmp_path, (tmp_path / "0.png",))
+    assert masks.kind == "colours"
+    np.testing.assert_array_equal(next(masks.masks()), ACTOR)
+
+
+def test_shares_from_0_to_1_count_from_a_half_on(tmp_path):
+    Image.fromarray(np.where(ACTOR, 0.9, 0.2).astype(np.float32)).save(tmp_path / "0.tiff")
+    (mask,) = read_masks(tmp_path, (tmp_path / "0.tiff",)).masks()
+    np.testing.assert_array_equal(mask, ACTOR)
+
+
 def test_a_transparent_colour_of_a_palette_is_background(tmp_path):
     image = Image.fromarray(np.where(ACTOR, 0, 1).astype(np.uint8), "P")
     image.putpalette([20, 20, 20, 255, 0, 255])
@@ -371,6 +413,50 @@ def test_frames_without_key_points_are_left_out(tmp_path, form):
     assert not CameraKeypoints(path).of(2).any()
     with pytest.raises(ValueError, match="expected keypoints of frame 6, found those of 4 frames"):
         CameraKeypoints(path).of(6)
+
+
+def person_at(x: float) -> dict:
+    return {"instances": [{"keypoints": [[x, 1.0]] * 17, "keypoint_scores": [0.9] * 17}]}
+
+
+#: Names of a camera's files or values of its frame_id -> frames of its video; another camera's first is 1 where that is said.
+BEGINNINGS = {
+    "OpenPose counts from 0": ([f"take_{n:012d}_keypoints" for n in (3, 4, 6)], 0, [3, 4, 6]),
+    "OpenPose, frame 0 left out": ([f"{n:012d}_keypoints" for n in (1, 2)], 0, [1, 2]),
+    "another camera counts from 0": ([f"cam0_{n:06d}" for n in (1, 2)], 0, [1, 2]),
+    "another camera counts from 1": ([3, 4], 1, [2, 3]),
+    "only counted from 1 it ends in time": ([f"f{n}" for n in (8, 9, 10)], 2, [7, 8, 9]),
+    "of a take of which the video is a part": ([f"f{n}" for n in (101, 102)], 1, [0, 1]),
+}
+
+
+@pytest.mark.parametrize("case", BEGINNINGS)
+def test_key_points_that_begin_late(tmp_path, case):
+    called, other, frames = BEGINNINGS[case]
+    if isinstance(called[0], str):
+        (tmp_path / "cam0").mkdir()
+        for name, frame in zip(called, frames):
+            (tmp_path / f"cam0/{name}.json").write_text(json.dumps(person_at(frame + 1)))
+    else:
+        told = [{"frame_id": number, **person_at(frame + 1)} for number, frame in zip(called, frames)]
+        (tmp_path / "cam0.json").write_text(json.dumps({"instance_info": told}))
+    (tmp_path / "cam1.json").write_text(json.dumps({"instance_info": [{"frame_id": other, **person_at(5)}]}))
+    found, _ = read_keypoints(tmp_path, ["cam0", "cam1"], [10, 10])
+    assert [found.of(t)[0, 0] for t in range(found.count)] == [t + 1 if t in frames else 0 for t in range(frames[-1] + 1)]
+
+
+def test_key_points_of_images_are_those_of_their_names(tmp_path):
+    """cam1 has lost images, at the beginning, too."""
+    images = {0: range(20), 1: [k for k in range(20) if k not in (0, 1, 7)]}
+    for c, numbers in images.items():
+        save_series(tmp_path / f"films/cam{c}", numbers)
+        (tmp_path / f"keypoints/cam{c}").mkdir(parents=True)
+        for n in numbers:
+            (tmp_path / f"keypoints/cam{c}/{101 + n:06d}_keypoints.json").write_text(json.dumps(person_at(10 + n)))
+    frames = session_of(tmp_path, fps=25, keypoints=tmp_path / "keypoints")
+    for c, t in ((0, 0), (0, 10), (1, 2), (1, 10), (1, 17)):
+        assert frames.keypoints(c, t)[0, 0] == 12 + t
+    assert not np.any(frames.keypoints(1, 5))
 
 
 # --- examples

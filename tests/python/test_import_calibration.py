@@ -113,6 +113,12 @@ def test_metashape_places_components_and_has_folders(tmp_path):
     assert len(said) == 2 and "camera 'cam2.jpg' was not aligned with most of the others" in said[0]
 
 
+def test_metashape_labels_may_have_dots(tmp_path):
+    path, _ = calibrations.write_all(tmp_path)["metashape"]
+    path.write_text(path.read_text().replace('"cam0.jpg"', '"rig.cam0"').replace('"cam1.jpg"', '"rig.cam1.JPG"'))
+    assert [c.camera.name for c in d.read_calibration(path)] == ["rig_cam0", "rig_cam1"]
+
+
 @pytest.mark.parametrize(("flag", "fisheye"), [("1", True), ("true", True), ("0", False), ("false", False), ("maybe", None)])
 def test_a_fisheye_says_so(tmp_path, flag, fisheye):
     path, files = calibrations.write_all(tmp_path)["opencv"]

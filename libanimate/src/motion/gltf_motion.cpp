@@ -1,6 +1,7 @@
 // glTF 2.0, Sect. 3.5 (nodes), 3.7.3 (skins), 3.11 and appendix C (animations).
 
 #include "../display/glb.h"
+#include "bind_pose.h"
 #include "doublet/animate/motion_file.h"
 #include "doublet/core/error.h"
 #include "doublet/options/options.h"
@@ -26,8 +27,6 @@ constexpr std::size_t kMostSkins = 1000;
 constexpr double kMostKeysInFile = 5e7; // several tracks may name the same keys
 constexpr double kRounding = 1e-4;      // s, by which key times, which are floats, may be off
 constexpr double kStill = 1e-3;         // by which a component of a quaternion, or of a place (m), may vary
-constexpr double kSameBones = 0.8;      // of a skin that have the directions of the nodes'
-constexpr double kAnotherPose = 0.02;   // rad, by which a joint stands otherwise than it was bound
 constexpr double kMovesTheBody = 0.5;   // of the nodes that the liveliest animation turns
 
 enum class Between { Step, Linear, Cubic };
@@ -528,69 +527,22 @@ private:
     std::map<int, Quaterniond> bound;
     for (const json &skin : reader_.gltf().value("skins", json::array()))
       if (skin.contains("inverseBindMatrices"))
-        bound.merge(bound_turns(skin, place, rest));
+        bound.merge(turns_of_bind_pose(bind_pose(skin), above_, place, rest));
     bound_ = std::move(bound);
   }
 
-  /// Of a skin's joints, in the world; none if they stand so, or if the skin's bones are others than the nodes'.
-  std::map<int, Quaterniond> bound_turns(const json &skin, const std::vector<Affine3d> &place,
-                                         const std::vector<Quaterniond> &rest) {
+  BindPose bind_pose(const json &skin) {
     const std::vector<float> &numbers = *floats(skin.at("inverseBindMatrices").get<int>());
-    std::map<int, Affine3d> bind;
-    std::map<int, Quaterniond> turns;
-    std::vector<Quaterniond> to_world;
+    BindPose bind;
+    std::size_t first = 0;
     for (const json &joint : skin.at("joints")) {
       const int node = index_of(joint, "a joint");
-      const std::size_t first = 16 * to_world.size();
       if (first + 16 > numbers.size())
         reader_.fail("expected inverse bind matrices of all joints of a skin, found fewer");
-      Affine3d inverse;
-      inverse.matrix() = Eigen::Map<const Eigen::Matrix4f>(numbers.data() + first).cast<double>();
-      if (!(inverse.linear().determinant() > 0)) // mirrored, or flat
-        return {};
-      bind[node] = inverse.inverse();
-      turns[node] = Quaterniond(bind[node].linear().colwise().normalized().eval()).normalized();
-      to_world.push_back(rest[node] * turns[node].conjugate());
+      bind[node].matrix() = Eigen::Map<const Eigen::Matrix4f>(numbers.data() + first).cast<double>();
+      first += 16;
     }
-    const Quaterniond axes = nearest_axes(to_world);
-    bool differs = false;
-    int bones = 0, alike = 0;
-    for (auto &[node, turn] : turns) {
-      differs = differs || rest[node].angularDistance(axes * turn) > kAnotherPose;
-      if (const int parent = above_[node]; parent >= 0 && bind.count(parent)) {
-        const Vector3d bone = rest[parent].conjugate() * (place[node].translation() - place[parent].translation());
-        const Vector3d bound = turns[parent].conjugate() * (bind[node].translation() - bind[parent].translation());
-        ++bones;
-        alike += bone.dot(bound) >= 0.99 * bone.norm() * bound.norm() && (bone.norm() == 0 || bound.norm() > 0);
-      }
-    }
-    if (!differs || alike < kSameBones * bones)
-      return {};
-    for (auto &[node, turn] : turns)
-      turn = axes * turn;
-    return turns;
-  }
-
-  /// Of the rotations that take axes to axes, as exporters turn a mesh, the one that is nearest to all of these.
-  static Quaterniond nearest_axes(const std::vector<Quaterniond> &turns) {
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero(), best = Eigen::Matrix3d::Identity();
-    for (const Quaterniond &turn : turns)
-      sum += turn.toRotationMatrix();
-    double most = -1e30;
-    for (int x = 0; x < 6; ++x)
-      for (int y = 0; y < 6; ++y) {
-        if (x % 3 == y % 3)
-          continue;
-        Eigen::Matrix3d axes;
-        axes.col(0) = (x < 3 ? 1.0 : -1.0) * Vector3d::Unit(x % 3);
-        axes.col(1) = (y < 3 ? 1.0 : -1.0) * Vector3d::Unit(y % 3);
-        axes.col(2) = axes.col(0).cross(axes.col(1));
-        if (const double near = axes.cwiseProduct(sum).sum(); near > most + 1e-9) {
-          most = near;
-          best = axes;
-        }
-      }
-    return Quaterniond(best);
+    return bind;
   }
 
   /// What hangs on mirrored axes turns the other way.

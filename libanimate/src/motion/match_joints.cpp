@@ -147,6 +147,25 @@ void take_given(Matcher &match, const std::vector<std::string> &names, const std
   }
 }
 
+/// Trunks may be of one piece, and a hand may end where it begins; else no joint plays two parts.
+bool may_be_one(const std::string &a, const std::string &b) {
+  const auto sided = [](const std::string &part) { return part.substr(0, 2) == "l_" || part.substr(0, 2) == "r_"; };
+  const auto ends = [](const std::string &part) {
+    return part.substr(1) == "_forearm" || part.substr(1) == "_wrist" || part.substr(1) == "_hand";
+  };
+  return sided(a) == sided(b) && (!sided(a) || (a[0] == b[0] && ends(a) && ends(b)));
+}
+
+/// A map of bones may give one joint twice, or one that another part has by its name.
+void refuse_twice(const Matcher &match, const std::vector<std::string> &names, const std::map<std::string, std::string> &given,
+                  const std::string &source) {
+  for (const auto &[part, name] : given)
+    for (const auto &[other, joint] : match.found)
+      if (!name.empty() && other != part && joint == match.found.at(part) && !may_be_one(part, other))
+        throw Error(source + ": expected another joint for " + part + " and " + other + ", found '" + names[joint] +
+                    "' for both; \"\" says that no joint plays a part");
+}
+
 /// Everything that can be found by names.
 Matcher matched(const std::vector<std::string> &names, const std::vector<int> &parents, const std::vector<double> &bone_lengths,
                 const std::map<std::string, std::string> &given, const std::string &source,
@@ -177,6 +196,7 @@ Matcher matched(const std::vector<std::string> &names, const std::vector<int> &p
   match.below("neck", "chest");
   match.below("head", "chest");
   match.below("head_top", "head");
+  refuse_twice(match, names, given, source);
   return match;
 }
 
@@ -218,6 +238,7 @@ Matcher matched(const SourceMotion &clip, const std::map<std::string, std::strin
   for (const auto &[part, joint] : shape)
     if (!given.count(part))
       by_shape.set(part, joint, "by its place and length: its name is of no known convention");
+  refuse_twice(by_shape, bones.names, given, clip.source);
   return missing_parts(by_shape).size() < missing_parts(match).size() ? by_shape : match;
 }
 

@@ -4,13 +4,14 @@
 
 #include "doublet/animate/retarget.h"
 
+#include "clip_figure.h"
 #include "doublet/animate/plant_feet.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/alignment.h"
-#include "doublet/core/parts/quantile.h"
 #include "doublet/options/options.h"
 #include "leg.h"
 #include "match_joints.h"
+#include "nearest_axes.h"
 
 #include <Eigen/Cholesky>
 
@@ -41,12 +42,6 @@ const std::array<LimbBone, 6> kLimb{{{"hip", {"knee"}, "pelvis"},
                                      {"elbow", {"wrist"}, "shoulder"},
                                      {"wrist", {"hand"}, "elbow"}}};
 
-Vector3d nearest_axis(const Vector3d &v) {
-  Eigen::Index k;
-  v.cwiseAbs().maxCoeff(&k);
-  return (v[k] < 0 ? -1.0 : 1.0) * Vector3d::Unit(k);
-}
-
 /// Columns left, up, forward. A left within 5 degrees of a coordinate axis is taken for it: marks have millimetres of noise,
 /// files none.
 Matrix3d body_frame(const Vector3d &left_raw, const Vector3d &up) {
@@ -65,24 +60,22 @@ Matrix3d body_frame(const Vector3d &left_raw, const Vector3d &up) {
 class Retargeter {
 public:
   Retargeter(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options)
-      : clip_(clip), skeleton_(skeleton), source_(match_joints(clip, options.joint_names)), target_(match_target(skeleton)) {
+      : clip_(clip), skeleton_(skeleton), figure_(clip, match_joints(clip, options.joint_names)),
+        target_(match_target(skeleton)) {
     for (const Joint &joint : skeleton.joints)
       rest_.push_back(joint.rest);
-    const Vertices zero = clip.zero_positions();
-    for (Eigen::Index j = 0; j < zero.rows(); ++j)
-      zero_.push_back(zero.row(j));
     require_bones();
     align_worlds();
     align_bones();
   }
 
-  double scale() const { return leg_length_target() / leg_length_source(); }
+  double scale() const { return leg_length_target() / figure_.leg_length(); }
 
   std::vector<Quaterniond> rotations(int t) const {
     std::vector<Quaterniond> result(skeleton_.joint_count(), Quaterniond::Identity());
     for (int j = 0; j < skeleton_.joint_count(); ++j) {
       const std::string &part = part_of_target_[j];
-      if (!part.empty() && source_.count(part))
+      if (!part.empty() && figure_.joints.count(part))
         result[j] = Quaterniond(bone_rotation(part, t));
       else if (skeleton_.joints[j].parent >= 0)
         result[j] = result[skeleton_.joints[j].parent];
@@ -103,7 +96,7 @@ public:
 
   /// Where the root goes so that the middle of the hips follows the clip's.
   Vector3d root_position(int t) const {
-    const Vector3d hips = 0.5 * (source_at("l_hip", t) + source_at("r_hip", t));
+    const Vector3d hips = 0.5 * (figure_.at("l_hip", t) + figure_.at("r_hip", t));
     const Vector3d rest_hips = 0.5 * (target_rest("l_hip") + target_rest("r_hip"));
     const Vector3d root = skeleton_.joints[0].rest;
     return scale() * (world_ * hips) - bone_rotation("pelvis", t) * (rest_hips - root);
@@ -123,8 +116,9 @@ public:
   std::string turned_world() const {
     const char *axes[] = {"-X", "-Y", "-Z", "+X", "+Y", "+Z"};
     Eigen::Index axis;
-    const bool positive = up_.cwiseAbs().maxCoeff(&axis) > 0 && up_[axis] > 0;
-    return up_ == zero_up_ || !zero_is_stance() ? "" : axes[axis + (positive ? 3 : 0)];
+    const bool positive = figure_.up.cwiseAbs().maxCoeff(&axis) > 0 && figure_.up[axis] > 0;
+    const bool known = figure_.up == figure_.zero_up || figure_.up == clip_.up || !figure_.zero_is_stance;
+    return known ? "" : axes[axis + (positive ? 3 : 0)];
   }
 
 private:
@@ -143,13 +137,11 @@ private:
   }
 
   Vector3d target_rest(const std::string &part) const { return rest_[target_.at(part)]; }
-  Vector3d source_at(const std::string &part, int t) const { return clip_.positions[t].row(source_.at(part)); }
-  Vector3d source_zero(const std::string &part) const { return zero_[source_.at(part)]; }
 
   Matrix3d source_rotation(const std::string &part, int t) const {
     // Where the forearm is split, its lower half carries the twist.
-    const auto split = part.substr(1) == "_elbow" ? source_.find(part.substr(0, 2) + "forearm") : source_.end();
-    return clip_.rotations[t][split == source_.end() ? source_.at(part) : split->second].toRotationMatrix();
+    const auto split = part.substr(1) == "_elbow" ? figure_.joints.find(part.substr(0, 2) + "forearm") : figure_.joints.end();
+    return clip_.rotations[t][split == figure_.joints.end() ? figure_.joints.at(part) : split->second].toRotationMatrix();
   }
 
   Matrix3d bone_rotation(const std::string &part, int t) const {
@@ -158,14 +150,6 @@ private:
     return bone == bones_.end() ? turned : Matrix3d(turned * bone->second);
   }
 
-  double leg_length_source() const {
-    double sum = 0;
-    for (int t = 0; t < clip_.frame_count(); ++t)
-      for (const std::string side : {"l_", "r_"})
-        sum += (source_at(side + "hip", t) - source_at(side + "knee", t)).norm() +
-               (source_at(side + "knee", t) - source_at(side + "ankle", t)).norm();
-    return sum / clip_.frame_count() / 2;
-  }
   double leg_length_target() const {
     double sum = 0;
     for (const std::string side : {"l_", "r_"})
@@ -174,82 +158,39 @@ private:
     return sum / 2;
   }
 
-  /// Thighs, shins, upper arms and forearms that have a length: a map of bones may name one joint twice.
+  /// Thighs, shins, upper arms and forearms that have a length.
   void require_bones() const {
     if (!(leg_length_target() > 0))
       throw Error("skeleton: expected legs with a length, found none");
     for (const std::string side : {"l_", "r_"})
       for (const auto &[begin, end] : {std::pair{"hip", "knee"}, {"knee", "ankle"}, {"shoulder", "elbow"}, {"elbow", "wrist"}})
-        if (source_at(side + begin, 0) == source_at(side + end, 0))
+        if (figure_.at(side + begin, 0) == figure_.at(side + end, 0))
           throw Error(clip_.source + ": expected " + side + begin + " and " + side + end + " at two places, found '" +
-                      clip_.joints[source_.at(side + begin)].name + "' and '" + clip_.joints[source_.at(side + end)].name +
-                      "' at one");
+                      clip_.joints[figure_.joints.at(side + begin)].name + "' and '" +
+                      clip_.joints[figure_.joints.at(side + end)].name + "' at one");
   }
 
   void align_worlds() {
-    target_frame_ = body_frame(target_rest("l_hip") - target_rest("r_hip"), Vector3d::UnitY());
-    const Vector3d zero_up = nearest_axis(source_zero("chest") - source_zero("pelvis"));
-    const Matrix3d zero_frame = body_frame(source_zero("l_hip") - source_zero("r_hip"), zero_up);
-    from_zero_ = target_frame_ * zero_frame.transpose();
-    Vector3d mean = Vector3d::Zero();
-    for (int t = 0; t < clip_.frame_count(); ++t)
-      mean += (source_at("chest", t) - 0.5 * (source_at("l_ankle", t) + source_at("r_ankle", t)));
-    zero_up_ = zero_up;
-    const Vector3d usual = zero_is_stance() ? zero_up : Vector3d::UnitY();
-    up_ = nearest_axis(mean);
-    if (up_ != usual && (clip_.up == usual || stands_along(usual) || lies_on_floor(usual)))
-      up_ = usual;
-    world_ = up_ == zero_up ? from_zero_ : shortest_turn(up_, Vector3d::UnitY());
-  }
-
-  /// For a while at least: who lies or crawls for most of a clip gets up in it, or lies down.
-  bool stands_along(const Vector3d &up) const {
-    constexpr double kUpright = 0.87, kShare = 0.1;
-    int standing = 0;
-    for (int t = 0; t < clip_.frame_count(); ++t) {
-      const Vector3d body = source_at("chest", t) - 0.5 * (source_at("l_ankle", t) + source_at("r_ankle", t));
-      standing += body.dot(up) > kUpright * body.norm();
-    }
-    return standing > kShare * clip_.frame_count();
-  }
-
-  /// Who lies all the time looks like somebody who stands in a world turned on its side. But files have the floor at height 0:
-  /// does he lie on that, and is that none on which he would stand?
-  bool lies_on_floor(const Vector3d &up) const {
-    const double leg = leg_length_source();
-    std::vector<double> lowest, hips, lowest_standing;
-    for (int t = 0; t < clip_.frame_count(); ++t) {
-      lowest.push_back((clip_.positions[t] * up).minCoeff() / leg);
-      hips.push_back(0.5 * (source_at("l_hip", t) + source_at("r_hip", t)).dot(up) / leg);
-      lowest_standing.push_back((clip_.positions[t] * up_).minCoeff() / leg);
-    }
-    const double floor = median(lowest), height = median(hips);
-    return floor > -0.1 && floor < 0.2 && height > 0.06 && height < 0.6 && std::abs(median(lowest_standing)) > 0.3;
+    const Vector3d left = figure_.zero("l_hip") - figure_.zero("r_hip"), our_left = target_rest("l_hip") - target_rest("r_hip");
+    target_frame_ = body_frame(our_left, Vector3d::UnitY());
+    const Matrix3d upright = target_frame_ * body_frame(left, figure_.zero_up).transpose();
+    const Vector3d our_trunk = (target_rest("chest") - target_rest("pelvis")).normalized();
+    from_zero_ = figure_.zero_leans
+                     ? body_frame(our_left, our_trunk) * body_frame(left, figure_.zero_trunk().normalized()).transpose()
+                     : upright;
+    world_ = figure_.up == figure_.zero_up ? upright : shortest_turn(figure_.up, Vector3d::UnitY());
   }
 
   /// The part a bone ends at, or empty where a skeleton does not have it.
   std::string bone_end(const std::string &side, const LimbBone &bone) const {
     for (const char *end : bone.ends)
-      if (source_.count(side + end) && target_.count(side + end))
+      if (figure_.joints.count(side + end) && target_.count(side + end))
         return side + end;
     return "";
   }
 
-  /// Legs down and arms not up: is the zero pose a stance at all? Exporters of bone-local frames write one with all bones along
-  /// one axis.
-  bool zero_is_stance() const {
-    for (const std::string side : {"l_", "r_"}) {
-      const Vector3d thigh = (source_zero(side + "knee") - source_zero(side + "hip")).normalized();
-      const Vector3d shin = (source_zero(side + "ankle") - source_zero(side + "knee")).normalized();
-      const Vector3d arm = (source_zero(side + "elbow") - source_zero(side + "shoulder")).normalized();
-      if (thigh.dot(zero_up_) > -0.5 || shin.dot(zero_up_) > -0.5 || arm.dot(zero_up_) > 0.7)
-        return false;
-    }
-    return true;
-  }
-
   void align_bones() {
-    if (zero_is_stance())
+    if (figure_.zero_is_stance)
       align_by_zero_pose();
     else
       align_by_clip();
@@ -264,7 +205,7 @@ private:
         const std::string part = side + bone.name, end = bone_end(side, bone);
         if (end.empty())
           continue;
-        Vector3d ours = target_rest(end) - target_rest(part), theirs = from_zero_ * (source_zero(end) - source_zero(part));
+        Vector3d ours = target_rest(end) - target_rest(part), theirs = from_zero_ * (figure_.zero(end) - figure_.zero(part));
         if (std::string(bone.name) == "ankle") // both feet stand flat, whatever the height of the marks: only the heading counts
           ours.y() = theirs.y() = 0;
         if (ours.norm() > 1e-9 && theirs.norm() > 1e-9)
@@ -280,7 +221,7 @@ private:
   // hinges.
 
   Vector3d direction_now(const std::string &part, const std::string &end, int t) const {
-    return (world_ * (source_at(end, t) - source_at(part, t))).normalized();
+    return (world_ * (figure_.at(end, t) - figure_.at(part, t))).normalized();
   }
 
   /// The frame whose limbs, seen from the pelvis, point most nearly as in our rest pose.
@@ -315,7 +256,7 @@ private:
     int best = 0;
     double lowest = 1e30;
     for (int t = 0; t < clip_.frame_count(); ++t) {
-      const double height = (world_ * (source_at(ankle, t) + source_at(toe, t))).y();
+      const double height = (world_ * (figure_.at(ankle, t) + figure_.at(toe, t))).y();
       if (height < lowest) {
         lowest = height;
         best = t;
@@ -380,10 +321,10 @@ private:
   const SourceMotion &clip_;
   const Skeleton &skeleton_;
   std::vector<std::string> part_of_target_;
-  Names source_, target_;
-  std::vector<Vector3d> rest_, zero_;
+  ClipFigure figure_;
+  Names target_;
+  std::vector<Vector3d> rest_;
   Matrix3d target_frame_, from_zero_, world_;
-  Vector3d zero_up_, up_; ///< of the zero pose, and of the file's world
   std::map<std::string, Matrix3d> bones_;
 };
 
@@ -505,6 +446,11 @@ void RetargetOptions::validate() const {
   if (last_second < first_second)
     options::throw_invalid("RetargetOptions: last_second", "at least first_second, " + options::to_text(first_second) + " s",
                            options::to_text(last_second));
+}
+
+Vector3d up_of_world(const SourceMotion &clip, const std::map<std::string, std::string> &given) {
+  validate(clip);
+  return ClipFigure(clip, match_joints(clip, given)).up;
 }
 
 Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options, const Context &context) {

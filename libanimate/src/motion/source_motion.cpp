@@ -1,6 +1,7 @@
 #include "doublet/animate/motion_file.h"
 
 #include "doublet/options/options.h"
+#include "nearest_axes.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -27,6 +28,9 @@ void validate(const SourceMotion &motion) {
                                                        " and " + std::to_string(motion.positions.size()));
   require(motion.fps >= kLowestRate && motion.fps <= kHighestRate,
           "expected fps in [0.1, 100000], found " + options::to_text(motion.fps));
+  require(motion.up.isZero() || motion.up == nearest_axis(motion.up),
+          "expected up to be an axis, such as 0 0 1, or 0 0 0, found " + options::to_text(motion.up.x()) + " " +
+              options::to_text(motion.up.y()) + " " + options::to_text(motion.up.z()));
   for (std::size_t j = 0; j < joints; ++j) {
     const int parent = motion.joints[j].parent;
     require(j == 0 ? parent == -1 : parent >= 0 && parent < static_cast<int>(j),

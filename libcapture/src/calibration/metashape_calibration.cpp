@@ -10,6 +10,7 @@
 #include <cstring>
 #include <map>
 #include <pugixml.hpp>
+#include <regex>
 #include <sstream>
 
 namespace doublet::detail {
@@ -123,6 +124,12 @@ std::string largest_component(const std::vector<pugi::xml_node> &cameras) {
   return most == count.end() ? std::string() : most->first;
 }
 
+/// A label is the image's name, often without its ending; a dot may as well stand between a rig and its camera.
+std::string name_of_label(const std::string &label) {
+  static const std::regex ending("\\.(png|jpe?g|jp2|tiff?|bmp|webp|exr|dng|pgm|ppm|mp4|mov|avi|mkv)$", std::regex::icase);
+  return std::regex_replace(label, ending, "");
+}
+
 void set_pose(CalibratedCamera &camera, const std::vector<double> &m, const Place &place) {
   Eigen::Matrix3d R;
   R << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
@@ -167,7 +174,7 @@ std::vector<CalibratedCamera> read_metashape_calibration(const fs::path &path, s
     if (sensor == sensors.end() || pose.size() != 16)
       throw Error(where + ": expected a <transform> of 16 numbers and a sensor with a <calibration>, found something else");
     cameras.push_back(sensor->second);
-    cameras.back().camera.name = fs::path(name).stem().string();
+    cameras.back().camera.name = name_of_label(name);
     set_pose(cameras.back(), pose, place);
   }
   if (cameras.empty())

@@ -122,6 +122,13 @@ bool has_attributes(const std::string &data, std::size_t count) {
   return at == data.size();
 }
 
+/// Triangles behind those that the header counts, as programs leave them that count before they are done; none if what is behind
+/// is no whole number of them, or empty.
+std::size_t uncounted(const std::string &data, std::size_t needed) {
+  const std::size_t behind = data.size() - needed;
+  return behind % kStlFacet == 0 && data.find_first_not_of('\0', needed) != data.npos ? behind / kStlFacet : 0;
+}
+
 } // namespace
 
 Mesh parse_obj(const std::string &data, const std::string &source) {
@@ -158,9 +165,10 @@ Mesh parse_stl(const std::string &data, const std::string &source) {
     throw Error(source + ": expected an STL file of " + std::to_string(needed) + " bytes for its " + std::to_string(count) +
                 " triangles, found " + std::to_string(data.size()) + " bytes");
   const bool gaps = data.size() > needed && has_attributes(data, count);
+  const std::size_t triangles = gaps ? count : count + uncounted(data, needed);
   SharedVertices shared(source);
   std::size_t at = kStlHeader;
-  for (std::size_t f = 0; f < count; ++f) {
+  for (std::size_t f = 0; f < triangles; ++f) {
     std::array<std::array<float, 3>, 3> points;
     std::memcpy(points.data(), data.data() + at + sizeof points[0], sizeof points);
     std::vector<int> corners;

@@ -167,7 +167,8 @@ public:
     }
   }
   bool room_for(std::size_t count, Type type) const { return count <= (body_.size() - at_) / bytes_of(type); }
-  bool at_end() const { return at_ == body_.size(); }
+  /// But for zeros and the end of a line, as some programs write.
+  bool at_end() const { return body_.find_first_not_of(std::string_view("\0\r\n", 3), at_) == body_.npos; }
 
 private:
   template <class T> double read() {
@@ -242,7 +243,8 @@ private:
     if (corners && length < 3)
       fail("expected faces of at least 3 corners, found " + std::to_string(static_cast<int>(length)) + " at face " +
            std::to_string(row_));
-    list_.clear();
+    if (corners)
+      list_.clear(); // texture coordinates of the face may stand behind them
     for (std::size_t k = 0; k < static_cast<std::size_t>(length); ++k) {
       const double index = values_.next(property.type);
       if (corners)

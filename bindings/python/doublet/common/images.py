@@ -55,16 +55,36 @@ class ImageSeries:
             yield np.asarray(image) if grey else np.asarray(image)[..., ::-1]
 
 
-def last_number(stem: str) -> int:
-    """By which images of a series are ordered; -1 = none."""
-    digits = re.search(r"(\d+)\D*$", stem)
-    return int(digits[1]) if digits else -1
+def seconds_in(stems: Sequence[str]) -> list[int] | None:
+    """Nanoseconds, of names that end in times in seconds (1403636579.76), more than one; None of others."""
+    times = [re.search(r"(\d+)\.(\d+)\D*$", stem) for stem in stems]
+    if not all(times) or len({time[1] for time in times}) < 2:
+        return None
+    return [int(time[1]) * 10**9 + int(time[2][:9].ljust(9, "0")) for time in times]
+
+
+def numbers_of(stems: Sequence[str]) -> list[int]:
+    """The last number of each name, or the last that is not the same in all (000101_cam2); -1 = none; or seconds_in()."""
+    numbers = [[int(digits) for digits in re.findall(r"\d+", stem)] for stem in stems]
+    differing = [len(set(column)) > 1 for column in zip(*numbers)] if len({len(of) for of in numbers}) == 1 else []
+    last = max((k for k, differs in enumerate(differing) if differs), default=-1)
+    return seconds_in(stems) or [of[last] if of else -1 for of in numbers]
+
+
+def in_order(files: Sequence[Path]) -> list[Path]:
+    """By their numbers; where these do not count them one by one, by all that are in a name: 12-30-59-960, 12-31-00-000."""
+    stems = [file.stem for file in files]
+    numbers = numbers_of(stems)
+    steps = sorted(np.diff(np.array(sorted(numbers), dtype=object)))
+    if not seconds_in(stems) and steps and steps[len(steps) // 2] != 1:
+        return sorted(files, key=lambda file: ([int(digits) for digits in re.findall(r"\d+", file.stem)], file.name))
+    return [file for _, _, file in sorted((number, file.name, file) for number, file in zip(numbers, files))]
 
 
 def counted(stems: Sequence[str]) -> np.ndarray:
     """(N) the numbers in names, in steps of the usual one (every image, every second): where one is missing, they leave it out.
     From 0 on if they are times of a clock; 0 to N - 1 if they are no such numbers (of cameras)."""
-    found = [last_number(stem) for stem in stems]
+    found = numbers_of(stems)
     steps = np.diff(np.array(found, dtype=object))
     if step := clock_step(stems):
         return np.concatenate([[0], np.cumsum(np.rint((steps / step).astype(float)))]).astype(np.int64)
@@ -78,7 +98,7 @@ def counted(stems: Sequence[str]) -> np.ndarray:
 
 def clock_step(stems: Sequence[str]) -> int:
     """Between two images whose names are times of a clock, which are large, or uneven; 0 = they are none."""
-    found = [last_number(stem) for stem in stems]
+    found = numbers_of(stems)
     steps = np.diff(np.array(found, dtype=object))
     usual = sorted(steps)[len(steps) // 2] if len(steps) else 0
     if min(found) < 0 or usual < LEAST_TICKS or max(steps) > usual * len(found):

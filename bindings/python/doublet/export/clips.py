@@ -50,8 +50,7 @@ PICKLED = (".pkl", ".pickle", ".pt", ".pth", ".npy")  # as programs that find po
 RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 MOST_LIKELY_FPS = 1000  # nobody films people faster
 MOST_LIKELY_SPEED = 15  # m/s, nobody runs faster
-UPRIGHT = 0.87  # cosine of the lean of who stands
-LOW = 0.03, 0.6  # m, between which the hips are of who lies
+AMASS_RATES = RATES[:2]  # its world has +Z up
 
 
 def read_motion(
@@ -117,8 +116,8 @@ def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
 
 def read_smpl_motion(path: Path) -> d.SourceMotion:
     """Poses of SMPL, SMPL-H or SMPL-X as AMASS has them: the body's rotations (axis times angle, or matrices, of each joint from
-    its parent), the root's place and the rate. Fingers, face and shape are left out. The world may have any axis up: it is the
-    one along which the body stands on average, if it does not lie in AMASS. Raises ValueError naming the file and the array."""
+    its parent), the root's place and the rate. Fingers, face and shape are left out. The world may have any axis up; it becomes
+    +Y, as up_of_world() finds it, to which AMASS says +Z. Raises ValueError naming the file and the array."""
     path = Path(path)
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist")
@@ -132,17 +131,26 @@ def smpl_motion(path: Path, file) -> d.SourceMotion:
     count = len(local)
     local = np.concatenate([local, np.tile([1.0, 0, 0, 0], (count, len(JOINTS) - TURNING, 1))], axis=1)
     place = place_of(path, file, count)
-    upright = upright_from(up_of(file, rotated(local[:, 0], np.array([0.0, 1, 0])), place))
-    local[:, 0] = product(upright, local[:, 0])
     places, turned = np.empty((count, len(JOINTS), 3)), np.empty_like(local)
     for j, (_, parent, offset) in enumerate(JOINTS):
         turned[:, j] = local[:, j] if parent < 0 else product(turned[:, parent], local[:, j])
         if parent >= 0:
             places[:, j] = places[:, parent] + rotated(turned[:, parent], np.array(offset, float))
         else:
-            places[:, j] = rotated(upright, place)
+            places[:, j] = place
     names, parents, offsets = zip(*JOINTS)
-    return d.SourceMotion(list(names), list(parents), np.array(offsets, float), places, turned, rate_of(path, file), str(path))
+    frame = list(names), list(parents), np.array(offsets, float)
+    usual = [0, 0, 1] if any(name in file for name in AMASS_RATES) else [0, 0, 0]
+    upright = upright_from(d.up_of_world(d.SourceMotion(*frame, places, turned, rate_of(path, file), str(path), usual)))
+    return d.SourceMotion(*frame, rotated(upright, places), product(upright, turned), rate_of(path, file), str(path), [0, 1, 0])
+
+
+def upright_from(up: np.ndarray) -> np.ndarray:
+    """The turn that brings an axis to +Y; of +Z, +X stays."""
+    turn = np.cross(up, [0.0, 1, 0])
+    if np.any(turn):
+        return quaternions(turn * np.pi / 2)
+    return np.array([1.0, 0, 0, 0]) if up[1] > 0 else np.array([0.0, 1, 0, 0])
 
 
 # --- arrays
@@ -200,22 +208,3 @@ def numbers(path: Path, file, name: str) -> np.ndarray:
     if array.dtype.kind not in "iuf" or array.size == 0 or not np.isfinite(array).all():
         raise ValueError(f"{path}: expected '{name}' to hold finite numbers, found {array.dtype} of shape {array.shape}")
     return array.astype(float)
-
-
-def up_of(file, body: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Along which the body (T, 3) stands on average; but +Z in AMASS, if it stands along that in a tenth of the frames, or lies
-    on the floor there and along X, which no file has up."""
-    mean = body.mean(axis=0)
-    stands = np.mean(body[:, 2] > UPRIGHT) > 0.1
-    lies = np.argmax(np.abs(mean)) == 0 and LOW[0] < np.median(place[:, 2]) < LOW[1]
-    return np.array([0, 0, 1.0]) if any(name in file for name in RATES[:2]) and (stands or lies) else mean
-
-
-def upright_from(up: np.ndarray) -> np.ndarray:
-    """The turn that brings the world's axis nearest to `up` to +Y; of z-up, +X stays."""
-    axis = np.zeros(3)
-    axis[np.argmax(np.abs(up))] = np.sign(up[np.argmax(np.abs(up))])
-    turn = np.cross(axis, [0.0, 1, 0])
-    if np.any(turn):
-        return quaternions(turn * np.pi / 2)
-    return np.array([1.0, 0, 0, 0]) if axis[1] > 0 else np.array([0.0, 1, 0, 0])

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..common.images import in_order
+
 VIDEOS = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".m2ts", ".mpg", ".mpeg", ".wmv", ".mxf", ".3gp", ".ogv"}
 IMAGES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"}
 
@@ -58,7 +60,7 @@ def one_folder(folder: Path, single_images: bool) -> list[CameraFile]:
         return [of_file(path) for path in videos]
     if videos or (images and single_images):
         return [CameraFile(folder.name, (videos or images)[0])]
-    return [CameraFile(folder.name, folder, numbered(images))] if images else []
+    return [CameraFile(folder.name, folder, tuple(in_order(images)))] if images else []
 
 
 def of_file(path: Path) -> CameraFile:
@@ -70,17 +72,7 @@ def series_of(folder: Path, images: list[Path]) -> list[CameraFile]:
     groups = defaultdict(list)
     for image in images:
         groups[re.sub(r"[_\-. ]*\d+$", "", image.stem)].append(image)
-    return [CameraFile(name or folder.name, folder, numbered(group)) for name, group in groups.items()]
-
-
-def numbered(images: Sequence[Path]) -> tuple[Path, ...]:
-    """In the order of the numbers at the end of their names."""
-
-    def number(path: Path):
-        digits = re.search(r"(\d+)\D*$", path.stem)
-        return int(digits[1]) if digits else -1, path.name
-
-    return tuple(sorted(images, key=number))
+    return [CameraFile(name or folder.name, folder, tuple(in_order(group))) for name, group in groups.items()]
 
 
 def told_apart(files: list[CameraFile]) -> list[CameraFile]:

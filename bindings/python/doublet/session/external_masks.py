@@ -73,9 +73,10 @@ def kind_of(images: list[Image.Image]) -> str:
     shown = [seen(image) for image in images]
     if all("A" in image.getbands() for image in shown) and any(image.getextrema()[-1][0] < 255 for image in shown):
         return "alpha"
-    if palette and any(is_coloured(image) for image in shown):
+    if (palette or has_few_colours(shown)) and any(is_coloured(image) for image in shown):
         darkest = min(brightness(image).min() for image in shown)
-        return "colours" if darkest < BLACK else "palette"
+        if palette or darkest < BLACK:
+            return "colours" if darkest < BLACK else "palette"
     brightest = max(brightness(image).max() for image in shown)
     return "numbers" if 0 < brightest <= MOST_NUMBERS else "grey"
 
@@ -87,15 +88,26 @@ def seen(image: Image.Image) -> Image.Image:
     return image.convert("RGB") if image.mode == "P" else image
 
 
+def has_few_colours(images: list[Image.Image]) -> bool:
+    """As images of the parts of a person have, without a palette, and pictures do not."""
+    if any(image.mode not in ("RGB", "RGBA") for image in images):
+        return False
+    looked = np.concatenate([np.asarray(image.convert("RGB"))[::5, ::5].reshape(-1, 3) for image in images])
+    return len(np.unique(looked, axis=0)) <= MOST_NUMBERS
+
+
 def is_coloured(image: Image.Image) -> bool:
     colours = np.asarray(image.convert("RGB")).reshape(-1, 3).astype(int)
     return bool(np.ptp(colours, axis=1).max() > BLACK)
 
 
 def brightness(image: Image.Image) -> np.ndarray:
-    """(H, W), 0 to 255: the brightest channel, so that a red mask is one, too; two bytes are brought to one if they are used."""
+    """(H, W), 0 to 255: the brightest channel, so that a red mask is one, too; two bytes are brought to one if they are used,
+    and shares from 0 to 1 to 255."""
     if image.mode.startswith(("I", "F")):
         values = np.asarray(image).astype(np.float32)
+        if image.mode == "F" and values.max() <= 1:
+            return 255 * values
         return values / 257 if values.max() > 255 else values
     if image.mode in ("L", "1"):
         return np.asarray(image.convert("L"))

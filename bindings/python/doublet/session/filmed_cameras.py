@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.console import Console
-from ..common.images import ImageSeries, clock_step, last_number
+from ..common.images import ImageSeries, clock_step, numbers_of
 from ..common.video import VideoFile, read_video
 from .camera_files import CameraFile, list_files, match
 from .external_masks import KINDS, ExternalMasks, read_masks, require_count, require_size
@@ -116,7 +116,7 @@ def first_numbers(series: list[ImageSeries]) -> list[int]:
     steps = [clock_step(stems) for stems in names]
     if not all(steps):
         return [int(one.numbers[0]) for one in series]
-    times = [last_number(stems[0]) for stems in names]
+    times = [numbers_of(stems)[0] for stems in names]
     return [round((time - min(times)) / step) for time, step in zip(times, steps)]
 
 

@@ -3,7 +3,10 @@ are in space."""
 
 from __future__ import annotations
 
+import re
+import shutil
 from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
 
@@ -11,8 +14,9 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import read_json, written_atomically
-from ..common.images import counted, last_number
-from .camera_files import CameraFile, match
+from ..common.images import MOST_NUMBER, ImageSeries, counted, in_order, numbers_of
+from ..common.video import VideoFile, read_video
+from .camera_files import VIDEOS, CameraFile, match
 
 #: In the order of kKeypointNames (doublet/capture/keypoints.h).
 JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
@@ -58,14 +62,17 @@ def agreed(cameras: Sequence[d.CalibratedCamera], seen: Sequence[np.ndarray], wh
     return found
 
 
-def filmed_keypoints(path: Path, names: Sequence[str], numbers: Sequence[np.ndarray]) -> list[np.ndarray]:
+def filmed_keypoints(
+    path: Path, names: Sequence[str], sources: Sequence[VideoFile | ImageSeries], numbers: Sequence[np.ndarray]
+) -> list[np.ndarray]:
     """(T, 12, 3) pixel and confidence of JOINTS for each camera, at these frames of its video. `path`: a folder with a file or a
     folder of JSON for each, of all frames of its video, in pixels as it was filmed. Raises FileNotFoundError or ValueError naming
     file, expectation and finding."""
-    files = match(names, list_keypoints(path), what="file or folder of keypoints")
+    counts = [len(source.times) for source in sources]
+    images = [numbers_of([file.stem for file in getattr(source, "files", ())]) for source in sources]
     return [
         np.stack([keypoints.of(int(number)) for number in chosen])
-        for keypoints, chosen in zip((CameraKeypoints(files[name].path) for name in names), numbers)
+        for keypoints, chosen in zip(read_keypoints(path, names, counts, images), numbers)
     ]
 
 
@@ -87,20 +94,26 @@ def adopt_keypoints(session: d.Session, path: Path, frame: int, messages: list[s
 
 
 def keypoints_of_videos(session: d.Session, path: Path, messages: list[str]) -> list[np.ndarray]:
-    """For each camera (T, 12, 3), of all frames of its video; zeros behind the last that it has keypoints of."""
+    """For each camera (T, 12, 3), of all frames of its video that the session has; zeros where it has no keypoints."""
     names = [camera.name for camera in session.cameras]
-    files = match(names, list_keypoints(path), what="file or folder of keypoints")
+    counts = [camera.first_frame + session.frame_count for camera in session.cameras]
+    whole_videos = [filmed_frames(camera, count) for camera, count in zip(session.cameras, counts)]
     seen = []
-    for camera in session.cameras:
-        keypoints, count = CameraKeypoints(files[camera.name].path), camera.first_frame + session.frame_count
+    for keypoints, count in zip(read_keypoints(path, names, whole_videos), counts):
         known = min(count, keypoints.count)
         if known < count:
-            messages.append(f"{files[camera.name].path}: keypoints of {known} of {count} frames")
+            messages.append(f"{keypoints.path}: keypoints of {known} of {count} frames")
         whole = np.zeros((count, len(JOINTS), 3))
         for number in range(known):
             whole[number] = keypoints.of(number)
         seen.append(whole)
     return seen
+
+
+def filmed_frames(camera: d.SessionCamera, used: int) -> int:
+    """How many frames a camera's video has, of which a session may use fewer; `used` where nothing can tell."""
+    is_video = camera.video.suffix.lower() in VIDEOS and shutil.which("ffprobe")
+    return len(read_video(camera.video).times) if is_video else used
 
 
 def agreed_at(session: d.Session, path: Path, frame: int, seen: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
@@ -128,20 +141,51 @@ def list_keypoints(path: Path) -> list[CameraFile]:
     return [CameraFile(p.stem, p) for p in entries]
 
 
+def read_keypoints(
+    path: Path, names: Sequence[str], counts: Sequence[int], images: Sequence[Sequence[int]] = ()
+) -> list[CameraKeypoints]:
+    """Of cameras whose videos have so many frames, or images of such numbers. Programs count frames from 0 or from 1, and leave
+    out those at the beginning in which they see nobody. Numbers that a video does not have begin with it."""
+    files = match(names, list_keypoints(path), what="file or folder of keypoints")
+    seen = [CameraKeypoints(files[name].path) for name in names]
+    beyond = [max(keypoints.stated, default=0) + 1 - count for keypoints, count in zip(seen, counts)]
+    least = min(min(keypoints.stated, default=0) for keypoints in seen)
+    usual = least if least < 2 else int(1 in beyond)
+    for keypoints, excess, named in zip_longest(seen, beyond, images, fillvalue=()):
+        begin = 0 if keypoints.counts_from_0 else usual
+        if not keypoints.are_of(named) and excess <= begin:
+            keypoints.numbers = np.array(keypoints.stated) - begin
+    return seen
+
+
 class CameraKeypoints:
-    """Of all frames of a camera's video. Raises ValueError for a file that has none."""
+    """Of a camera's video: `numbers` (N) are its frames, those that the files state, from the first on. Raises ValueError for a
+    file that has none."""
 
     def __init__(self, path: Path):
         self.path = path
         if path.is_dir():
-            self.frames = sorted(path.glob("*.json"), key=lambda p: (last_number(p.stem), p.name))
-            self.numbers = counted([file.stem for file in self.frames])
+            self.frames = in_order(list(path.glob("*.json")))
+            names = [file.stem for file in self.frames]
+            self.stated, numbers = rising(numbers_of(names)), counted(names)
         else:
             self.frames = frames_of(read_json(path), path)
-            numbers = [found.get("frame_id") if isinstance(found, dict) else None for found in self.frames]
-            told = all(isinstance(number, int) for number in numbers) and (np.diff(numbers) > 0).all()
-            self.numbers = np.array(numbers) if told else np.arange(len(self.frames))
-        self.numbers = self.numbers - self.numbers[0] if len(self.numbers) else self.numbers  # from the first on
+            self.stated = rising([found.get("frame_id") if isinstance(found, dict) else None for found in self.frames])
+            numbers = self.stated
+        self.numbers = np.array(numbers, dtype=np.int64) - min(numbers, default=0)
+
+    @property
+    def counts_from_0(self) -> bool:
+        """OpenPose writes the frame's number in twelve digits."""
+        return self.path.is_dir() and all(re.search(r"(^|\D)\d{12}_keypoints$", file.stem) for file in self.frames)
+
+    def are_of(self, images: Sequence[int]) -> bool:
+        """Files that are named after the images of a series? Then they are of these frames of it."""
+        found = {number: frame for frame, number in enumerate(images)}
+        if not self.path.is_dir() or len(found) < max(len(images), 1) or not all(number in found for number in self.stated):
+            return False
+        self.numbers = np.array([found[number] for number in self.stated])
+        return True
 
     @property
     def count(self) -> int:
@@ -155,6 +199,12 @@ class CameraKeypoints:
         found = np.flatnonzero(self.numbers == frame)
         what = self.frames[found[0]] if len(found) else []
         return joints_of(people_of(read_json(what)), what) if isinstance(what, Path) else joints_of(people_of(what), self.path)
+
+
+def rising(numbers: list) -> list[int]:
+    """Numbers of frames; 0, 1, 2, ... if these are none."""
+    are_numbers = all(isinstance(number, int) and 0 <= number < MOST_NUMBER for number in numbers)
+    return numbers if are_numbers and (np.diff(numbers) > 0).all() else list(range(len(numbers)))
 
 
 def frames_of(content, path: Path) -> Sequence:

@@ -37,11 +37,11 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
     cameras = filmed_cameras(request, console, messages)
     fps = common_rate(request, cameras, messages)
     offsets = found_offsets(request, cameras, fps, console, messages, findings)
-    times = [camera.source.times for camera in cameras]
-    names = [camera.name for camera in cameras]
+    sources, names = [camera.source for camera in cameras], [camera.name for camera in cameras]
+    times = [source.times for source in sources]
     numbers = synchronise.frame_numbers(times, offsets, fps, request.start, request.frames, names)
     say_frames(cameras, times, offsets, numbers, fps, messages)
-    seen = filmed_keypoints(request.keypoints, names, numbers) if request.keypoints else None
+    seen = filmed_keypoints(request.keypoints, names, sources, numbers) if request.keypoints else None
     person = None if request.calibration else calibrate.PersonCalibrator(request, cameras, seen, messages)
     with folder_written_atomically(request.out) as folder:
         write_session(folder, request, cameras, numbers, fps, seen, console, messages)

@@ -48,6 +48,10 @@ struct RetargetOptions {
 Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options = {},
                 const Context &context = {});
 
+/// The axis of the clip's world that points up, as retarget() finds it: along which the body stands on average, or another one if
+/// it lies. Throws as match_joints.
+Eigen::Vector3d up_of_world(const SourceMotion &clip, const std::map<std::string, std::string> &given = {});
+
 /// Which joint of the clip plays which of our joints (standard name -> joint index of the clip), by name and topology. `given`:
 /// our joint -> name in the clip, "" = none. Throws Error if a name is none of ours, or none of the clip's, and if a joint is
 /// missing that retargeting needs.
