@@ -1,6 +1,7 @@
 #include "garment_field.h"
 
 #include "doublet/core/parts/connected_sets.h"
+#include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/face_neighbours.h"
 #include "doublet/rays/surface_distance.h"
 #include "doublet/segment/parts/diffusion.h"
@@ -13,10 +14,11 @@ namespace doublet::detail {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kOffCut = 0.02;   // no vertex is nearer to the cut, which would make slivers
-constexpr double kOnBody = 0.012;  // m, about the error of the hidden body: nearer, the surface lies on it
-constexpr double kTouches = 0.05;  // of a piece of skin: so much of it lies on the body, whatever it wears or holds
-constexpr double kFacesAway = 0.5; // cosine between a normal and the way a garment ends
+constexpr double kOffCut = 0.02;     // no vertex is nearer to the cut, which would make slivers
+constexpr double kOnBody = 0.012;    // m, about the error of the hidden body: nearer, the surface lies on it
+constexpr double kTouches = 0.05;    // of a piece of skin: so much of it lies on the body, whatever it wears or holds
+constexpr double kAlongEdges = 0.03; // m, of ways along edges: they zigzag
+constexpr double kFacesAway = 0.5;   // cosine between a normal and the way a garment ends
 
 /// Values of faces to vertices: means weighted by area; faces of unknown value do not count, a vertex between such is unknown.
 Eigen::VectorXd to_vertices(const Mesh &mesh, const Eigen::VectorXd &face_values) {
@@ -52,6 +54,31 @@ Eigen::Vector3d away_along(const Skeleton &skeleton, int joint) {
 bool is_limb(const Skeleton &skeleton, int joint) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitY();
   return skeleton.joints[joint].parent >= 0 && away_along(skeleton, joint) != Eigen::Vector3d(-up);
+}
+
+/// (F, 3) unit vectors along the faces that lead away from the top of the surface they are on, which is the crown of a head.
+Vertices ways_from_top(const Mesh &mesh) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  int count = 0;
+  const Eigen::VectorXi piece = vertex_components(mesh.faces, n, &count);
+  std::vector<int> tops(count, -1);
+  for (int v = 0; v < n; ++v)
+    if (piece[v] >= 0 && (tops[piece[v]] < 0 || mesh.vertices(v, 1) > mesh.vertices(tops[piece[v]], 1)))
+      tops[piece[v]] = v;
+  Eigen::VectorXd distance = edge_distances(mesh.vertices, vertex_neighbours(mesh.faces, n), tops);
+  for (double &value : distance)
+    value = std::isfinite(value) ? value : kUnknown; // a vertex on no face
+  distance = diffuse_on_surface(mesh.vertices, mesh.faces, distance, kAlongEdges);
+  const Vertices normals = face_normals(mesh.vertices, mesh.faces);
+  Vertices ways(mesh.faces.rows(), 3);
+  for (Eigen::Index f = 0; f < ways.rows(); ++f) { // the gradient, but for its length
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      sum += distance[mesh.faces(f, k)] *
+             (mesh.vertices.row(mesh.faces(f, (k + 2) % 3)) - mesh.vertices.row(mesh.faces(f, (k + 1) % 3)));
+    ways.row(f) = Eigen::RowVector3d(normals.row(f)).cross(sum).normalized();
+  }
+  return ways;
 }
 
 /// [F] the joint that moves each face most.
@@ -180,10 +207,9 @@ Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sh
   return result;
 }
 
-Eigen::VectorXd ends_along_limb(const RiggedMesh &actor, const Piece &piece) {
-  const Vertices &x = piece.mesh.vertices;
+Eigen::VectorXd leads_from_top(const RiggedMesh &actor, const Piece &piece) {
+  const Vertices &x = piece.mesh.vertices, from_top = ways_from_top(actor.mesh);
   const EdgeTopology edges = edge_topology(piece.mesh.faces);
-  const std::vector<int> joints = joint_of_faces(actor);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(x.rows()), count = sum;
   for (std::size_t e = 0; e < edges.edges.size(); ++e) {
     if (edges.edge_faces[e].minCoeff() >= 0)
@@ -192,7 +218,7 @@ Eigen::VectorXd ends_along_limb(const RiggedMesh &actor, const Piece &piece) {
     const Eigen::RowVector3d along = (x.row(b) - x.row(a)).normalized();
     const int opposite = piece.mesh.faces.row(f).sum() - a - b;
     const Eigen::RowVector3d across = x.row(a) - x.row(opposite), out = (across - across.dot(along) * along).normalized();
-    const double cosine = out.dot(away_along(actor.skeleton, joints[piece.actor_face[f]]).transpose());
+    const double cosine = out.dot(from_top.row(piece.actor_face[f]));
     for (int v : {a, b}) {
       sum[v] += cosine;
       count[v] += 1;

@@ -23,9 +23,9 @@ Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &
 Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sheet, const Eigen::VectorXd &field,
                             const Piece &piece, double smoothing);
 
-/// (N) at the boundary of the piece: cosine between the way out of it and the way the limb below ends, 1 at a skirt's hem, -1 at
-/// its waist. 0 inside.
-Eigen::VectorXd ends_along_limb(const RiggedMesh &actor, const Piece &piece);
+/// (N) at the boundary of the piece: cosine between the way out of it and the way along the surface that leads from its top, the
+/// crown of the head, 1 at hems and cuffs, -1 at a waist or a collar, however that slopes. 0 inside.
+Eigen::VectorXd leads_from_top(const RiggedMesh &actor, const Piece &piece);
 
 /// (N) 1 at the vertices of the piece whose faces a limb moves most, 0 on the trunk.
 Eigen::VectorXd on_limbs(const RiggedMesh &actor, const Piece &piece);

@@ -36,8 +36,8 @@ constexpr double kPinhole = 0.12; // m around: shorter than a child's wrist
 
 constexpr double kRounding = 1e-9; // of barycentric coordinates: what is carried has a clothness of 0, not nearly so
 
-// Mean cosine along an edge between the way out and the way the limb goes: there the garment ends; there it begins, as waists and
-// necks do (-0.9 to -0.4), and fronts do not (-0.3 to 0.2).
+// Mean cosine along an edge between the way out and that from the crown: there the garment ends; there it begins, as waists and
+// necks do (-1 to -0.9), and fronts do not.
 constexpr double kEnds = 0.2, kBegins = -0.35;
 
 double length_of(const Vertices &vertices, const std::vector<int> &loop) {
@@ -109,7 +109,7 @@ double mean_over(const std::vector<int> &loop, const Eigen::VectorXd &values) {
 }
 
 /// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut; `ends` (N):
-/// of ends_along_limb(); `limbs` (N): of on_limbs(). Runs that are shorter than `smallest` do not count.
+/// of leads_from_top(); `limbs` (N): of on_limbs(). Runs that are shorter than `smallest` do not count.
 std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin,
                           const Eigen::VectorXd &ends, const Eigen::VectorXd &limbs, double smallest) {
   std::vector<char> kinds;
@@ -443,7 +443,7 @@ public:
       fields.push_back(detail::garment_field(actor, sheet, segmentation, r, options_));
       const Piece whole = detail::cut_out(actor.mesh, fields.back());
       const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing_length);
-      hangs.push_back(hanging_vertices(whole, skin, detail::ends_along_limb(actor, whole), detail::on_limbs(actor, whole),
+      hangs.push_back(hanging_vertices(whole, skin, detail::leads_from_top(actor, whole), detail::on_limbs(actor, whole),
                                        options_.min_edge_run));
       pieces.push_back(hanging_part(whole, hangs.back()));
       say_what_falls(whole, pieces.back(), free[r], r, context);

@@ -381,6 +381,15 @@ TEST(GarmentMesher, ALegThatIsOneSurfaceWithTheHemDoesNotHoldIt) {
   }));
 }
 
+/// As the collar of a vest does on the shoulders.
+TEST(GarmentMesher, AGarmentHangsFromAnEdgeThatLiesLevel) {
+  const auto level = [](double up, double) -> Eigen::Vector2d {
+    const double in = std::max(0.0, up - 0.7) / 0.3;
+    return {0.5 + 0.47 * std::min(up / 0.7, 1.0) + 0.03 * in, 0.3 - 0.15 * in};
+  };
+  expect_loops(garment_of(Person(level)), 2, 1);
+}
+
 TEST(GarmentMesher, WhatIsOpenInFrontHangsFromAboveAlone) {
   Person person;
   for (std::size_t ring = 0; ring < skirt_person::rings().size(); ++ring)
