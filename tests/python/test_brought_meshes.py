@@ -75,6 +75,13 @@ def test_an_stl_that_was_not_counted_to_its_end_is_whole(tmp_path, counted):
     require_box(tmp_path / "box.stl")
 
 
+@pytest.mark.parametrize("behind", [b"what a program says of itself, in just fifty bytes", b"\xff" * 100])
+def test_other_bytes_behind_an_stl_are_no_triangles(tmp_path, behind):
+    assert len(behind) % 50 == 0
+    (tmp_path / "box.stl").write_bytes(stl() + behind)
+    require_box(tmp_path / "box.stl")
+
+
 @pytest.mark.parametrize("behind", [b"", b"\n", b"\0" * 7])
 def test_ply_with_texture_behind_the_corners_of_each_face(tmp_path, behind):
     """As MeshLab writes them; and what programs leave behind the last face."""

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -122,11 +123,24 @@ bool has_attributes(const std::string &data, std::size_t count) {
   return at == data.size();
 }
 
-/// Triangles behind those that the header counts, as programs leave them that count before they are done; none if what is behind
-/// is no whole number of them, or empty.
+/// Finite, with a normal of length 1 or none: other bytes are no triangle.
+bool is_facet(const std::string &data, std::size_t at) {
+  std::array<float, 12> numbers;
+  std::memcpy(numbers.data(), data.data() + at, sizeof numbers);
+  const float length = std::hypot(numbers[0], numbers[1], numbers[2]);
+  return std::all_of(numbers.begin(), numbers.end(), [](float x) { return std::isfinite(x); }) &&
+         (length == 0 || std::abs(length - 1) < 0.01F);
+}
+
+/// Triangles behind those that the header counts, as programs leave them that count before they are done; none if anything else
+/// is behind, or zeros.
 std::size_t uncounted(const std::string &data, std::size_t needed) {
-  const std::size_t behind = data.size() - needed;
-  return behind % kStlFacet == 0 && data.find_first_not_of('\0', needed) != data.npos ? behind / kStlFacet : 0;
+  if ((data.size() - needed) % kStlFacet != 0 || data.find_first_not_of('\0', needed) == data.npos)
+    return 0;
+  for (std::size_t at = needed; at < data.size(); at += kStlFacet)
+    if (!is_facet(data, at))
+      return 0;
+  return (data.size() - needed) / kStlFacet;
 }
 
 } // namespace
