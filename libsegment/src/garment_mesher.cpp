@@ -37,8 +37,8 @@ constexpr double kPinhole = 0.12; // m around: shorter than a child's wrist
 constexpr double kRounding = 1e-9; // of barycentric coordinates: what is carried has a clothness of 0, not nearly so
 
 // Mean cosine along an edge between the way out and that from the crown: there the garment ends; there it begins, as waists and
-// necks do (-1 to -0.9), and fronts do not.
-constexpr double kEnds = 0.2, kBegins = -0.35;
+// necks do (-1 to -0.85), and fronts do not (-0.6 to 0: the shortest way goes down beside them).
+constexpr double kEnds = 0.2, kBegins = -0.65;
 
 double length_of(const Vertices &vertices, const std::vector<int> &loop) {
   double length = 0;

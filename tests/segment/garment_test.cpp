@@ -401,7 +401,7 @@ TEST(GarmentMesher, WhatIsOpenInFrontHangsFromAboveAlone) {
   int front = 0;
   for (int v : loops[0]) {
     const double y = garment.mesh.vertices(v, 1), clothness = garment.clothness[v];
-    if (y > 0.97) {
+    if (y > 0.98) {
       EXPECT_LT(clothness, 0.5) << y;
     } else if (y > 0.57 && y < 0.9) {
       EXPECT_GT(clothness, 0) << y;
