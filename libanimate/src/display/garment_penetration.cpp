@@ -34,7 +34,7 @@ Mask faces_that_lift(const Character &c) {
   return chosen;
 }
 
-const Character &checked(const Character &c) {
+const Character &liftable(const Character &c) {
   validate_character(c);
   if (!GarmentPenetrationFix::applies_to(c))
     throw Error("GarmentPenetrationFix: expected a character with a garment's own mesh and a body with capsules, found none");
@@ -44,7 +44,7 @@ const Character &checked(const Character &c) {
 } // namespace
 
 GarmentPenetrationFix::GarmentPenetrationFix(const Character &c)
-    : body_faces_(checked(c).body.faces), body_(c.body, faces_that_lift(c)) {
+    : body_faces_(liftable(c).body.faces), body_(c.body, faces_that_lift(c)) {
   const detail::Worn worn = detail::worn_garment(c.actor, c.segmentation);
   for (int v : worn.vertices)
     garment_.push_back({v, c.segmentation.clothness[v] == 0});
