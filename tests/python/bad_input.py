@@ -287,7 +287,7 @@ spoilt_by(
     an_empty_file=scan(""),
     a_file_of_another_kind=scan("solid thing"),
     half_a_file=cut("session/scan.ply"),
-    a_byte_too_many=lambda folder: scan_bytes(folder, lambda data: data + b"\0"),
+    a_byte_too_many=lambda folder: scan_bytes(folder, lambda data: data + b"x"),
     a_byte_inserted=lambda folder: scan_bytes(folder, lambda data: data[:-50] + b"\0" + data[-50:]),
     a_last_corner_of_2139062143=lambda folder: scan_bytes(folder, lambda data: data[:-4] + b"\x7f" * 4),
 )
