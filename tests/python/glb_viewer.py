@@ -16,8 +16,9 @@ class Viewer:
         self.gltf, self.bytes = json.loads(data[20 : 20 + length]), data[28 + length :]
         self.node = {node["name"]: i for i, node in enumerate(self.gltf["nodes"])}
         self.channels = {
-            (c["target"]["node"], c["target"]["path"]): self.gltf["animations"][0]["samplers"][c["sampler"]]
-            for c in self.gltf["animations"][0]["channels"]
+            (c["target"]["node"], c["target"]["path"]): animation["samplers"][c["sampler"]]
+            for animation in self.gltf.get("animations", [])[:1]
+            for c in animation["channels"]
         }
 
     def array(self, accessor: int) -> np.ndarray:

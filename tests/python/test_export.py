@@ -1,5 +1,7 @@
-"""Animations for other programs: BVH of the skeleton, USD; and the map of bones, as a file."""
+"""Animations for other programs: BVH of the skeleton, USD, vertex animation textures; and the map of bones, as a file."""
 
+import json
+import os
 import re
 import subprocess
 import sys
@@ -9,9 +11,11 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.cli import program as cli
-from doublet.export import bone_map
+from doublet.export import bone_map, vertex_animation
 from doublet.export.clips import read_clip, read_motion
 from doublet.export.usd import identifier, texture_path, write_usdc
+from doublet.export.vertex_animation import write_vertex_animation
+from glb_viewer import Viewer
 from test_motions import actor_skeleton
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
@@ -57,7 +61,7 @@ def test_a_level_of_detail_is_written_everywhere_but_in_bvh(character, motion, t
     def run(name, *flags):
         return cli.main(["animate", *(str(tmp_path / file) for file in ("c.glb", "own.npz")), "-o", str(tmp_path / name), *flags])
 
-    for name in ("few.npz", "few.usdc", "few.glb", "few.mp4"):
+    for name in ("few.npz", "few.usdc", "few.glb", "few.mp4", "few_vat.png"):
         assert run(name, "--lod", str(shown // 3), "--quiet") == 0
         assert (tmp_path / name).stat().st_size > 0
     with np.load(tmp_path / "few.npz") as arrays:
@@ -68,7 +72,7 @@ def test_a_level_of_detail_is_written_everywhere_but_in_bvh(character, motion, t
     np.testing.assert_array_equal(np.reshape(mesh.GetAttribute("faceVertexIndices").Get(), (-1, 3)), faces)
     np.testing.assert_allclose(mesh.GetAttribute("points").Get(3), places[3], atol=1e-5)
     capsys.readouterr()
-    assert run("few.bvh", "--lod", "8") != 0 and "expected a .glb, .npz, .usdc or .mp4" in capsys.readouterr().err
+    assert run("few.bvh", "--lod", "8") != 0 and "expected a .glb, .npz, .usdc, .mp4 or _vat.png" in capsys.readouterr().err
     assert run("few.npz", "--lod", "3") != 0 and "--lod: expected at least 4 triangles, found 3" in capsys.readouterr().err
 
 
@@ -286,6 +290,87 @@ def test_without_usd_core_there_is_a_sentence(character, motion, tmp_path, monke
 
 def test_names_of_usd():
     assert [identifier(name) for name in ("l_hip", "Left Hip", "1st", "ä")] == ["l_hip", "Left_Hip", "_1st", "_"]
+
+
+# --- vertex animation textures
+
+VALIDATE = Path(__file__).parents[1] / "e2e/validate_gltf.mjs"
+
+
+class Shader:
+    """Plays OUT_vat.png as OpenVAT's shaders do: from TEXCOORD_1 a row further for every frame, half the image for normals."""
+
+    def __init__(self, png):
+        self.viewer = Viewer(png.with_suffix(".glb"))
+        self.info = json.loads(png.with_name(png.name.replace("_vat.png", "-remap_info.json")).read_text())
+        decode = ["ffmpeg", "-loglevel", "error", "-i", png, "-f", "rawvideo", "-pix_fmt", "rgb48le", "-"]
+        texels = np.frombuffer(subprocess.run(decode, capture_output=True, check=True).stdout, "<u2")
+        width, height = np.frombuffer(png.read_bytes()[16:24], ">u4")
+        self.texels = texels.reshape(height, width, 3) / 65535
+        self.attributes = self.viewer.gltf["meshes"][0]["primitives"][0]["attributes"]
+
+    def sampled(self, frame, half):
+        height, width, _ = self.texels.shape
+        u, v = (self.viewer.array(self.attributes["TEXCOORD_1"]) + [0, frame / height + half / 2]).T
+        x, z, y = self.texels[(v * height).astype(int), (u * width).astype(int)].T
+        return np.column_stack([x, y, z])
+
+    def points(self, frame):
+        low, high = (np.array(self.info["os-remap"][end]) for end in ("Min", "Max"))
+        x, y, z = (self.sampled(frame, 0) * (high - low)[[0, 2, 1]] + low[[0, 2, 1]]).T
+        return self.viewer.array(self.attributes["POSITION"]) + np.column_stack([x, y, -z])
+
+    def normals(self, frame):
+        return (2 * self.sampled(frame, 1) - 1) * [1, 1, -1]
+
+    def corners(self, primitive):
+        return self.viewer.array(self.viewer.gltf["meshes"][0]["primitives"][primitive]["indices"]).ravel().astype(int)
+
+
+@pytest.mark.parametrize("columns", [vertex_animation.MOST_COLUMNS, 1000])
+def test_a_texture_has_the_points_and_normals_of_every_frame(character, motion, tmp_path, monkeypatch, columns):
+    monkeypatch.setattr(vertex_animation, "MOST_COLUMNS", columns)
+    assert write_vertex_animation(tmp_path / "dance_vat.png", character, motion) == FRAMES
+    animation, shader = d.animate(character, motion), Shader(tmp_path / "dance_vat.png")
+    assert shader.info["animations"]["dance"] == {"startFrame": 0, "endFrame": FRAMES - 1, "framerate": 40, "looping": False}
+    assert shader.info["os-remap"]["Frames"] == FRAMES and shader.texels.shape[1] <= columns
+    assert (len(shader.texels) == 2 * FRAMES) == (columns == vertex_animation.MOST_COLUMNS)  # one row of vertices, or several
+    drawn, shown = d.drawn_faces(character).faces.ravel(), np.asarray(character.body_shown, bool)
+    every = character.high.faces[np.asarray(character.high_valid, bool)]
+    for t in range(FRAMES):
+        points, normals = shader.points(t), shader.normals(t)
+        body = character.body.faces[shown]
+        for primitive, moved, faces, of_all in ((0, animation.high[t], drawn, every), (1, animation.body[t], body.ravel(), body)):
+            corners = shader.corners(primitive)
+            np.testing.assert_allclose(points[corners], moved[faces], atol=1e-4)
+            np.testing.assert_allclose(normals[corners], d.vertex_normals(moved, of_all)[faces], atol=1e-4)
+
+
+def test_the_mesh_of_a_texture_is_textured_and_valid(character, motion, tmp_path):
+    modules = os.environ.get("DOUBLET_NODE_DIR")
+    if not modules:
+        pytest.skip("DOUBLET_NODE_DIR does not name a folder with gltf-validator (tests/run_tests.sh sets it)")
+    write_vertex_animation(tmp_path / "dance_vat.png", character, motion)
+    shader = Shader(tmp_path / "dance_vat.png")
+    places = shader.viewer.array(shader.attributes["TEXCOORD_0"])[shader.corners(0)]
+    np.testing.assert_allclose(places, d.drawn_faces(character).texcoords, atol=1e-6)
+    assert shader.viewer.image() == character.texture
+    shown = subprocess.run(["node", VALIDATE, modules, tmp_path / "dance_vat.glb"], capture_output=True, text=True, check=True)
+    issues = json.loads(shown.stdout)["issues"]
+    assert issues["numErrors"] == issues["numWarnings"] == 0, issues["messages"]
+
+
+def test_textures_that_cannot_be_are_refused_before_the_work(character, motion, tmp_path, monkeypatch):
+    monkeypatch.setattr(d, "animate_each", None)
+    with pytest.raises(ValueError, match=r"expected a name that ends in _vat.png .* found dance.png"):
+        write_vertex_animation(tmp_path / "dance.png", character, motion)
+    long = d.Motion(motion.fps, np.tile(motion.dofs, (1000, 1)))
+    with pytest.raises(ValueError, match=r"expected at most 8192 frames of \d+ vertices, found 12000 \(--lod\)"):
+        write_vertex_animation(tmp_path / "dance_vat.png", character, long)
+    monkeypatch.setenv("DOUBLET_FFMPEG", "no-such-program")
+    with pytest.raises(FileNotFoundError, match="ffmpeg is not installed"):
+        write_vertex_animation(tmp_path / "dance_vat.png", character, motion)
+    assert list(tmp_path.iterdir()) == []
 
 
 # --- the map of bones

@@ -17,6 +17,7 @@ from doublet.cli import program as cli
 from doublet.common.files import folder_written_atomically, write_json, written_atomically
 from doublet.common.video import VideoWriter
 from doublet.export.usd import usd_modules, write_usdc
+from doublet.export.vertex_animation import write_png16
 from doublet.pages.view import FILES, write_view
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
@@ -95,6 +96,7 @@ def writers(world):
         "calibration.yml": lambda path: d.write_calibration(path, cameras),
         "motion.bvh": lambda path: d.write_bvh(path, w.skeleton, d.Motion(40, noise((400, 9)))),
         "motion.usdc": lambda path: write_usdc(path, plain, long, d.AnimateOptions(high=False)),
+        "motion_vat.png": lambda path: write_png16(path, (1e4 * noise((99, 99, 3))).astype(np.uint16)),
         "segmentation.npz": lambda path: d.write_segmentation(path, clothness),
         "body.npz": lambda path: d.write_body(path, body),
         "proxies.json": lambda path: d.write_proxies(path, many, w.skeleton),

@@ -17,9 +17,10 @@ from . import bone_names
 from .clips import centred, read_motion
 from .level_of_detail import level_of_detail, only_drawn
 from .usd import usd_modules, write_usdc
+from .vertex_animation import write_vertex_animation
 from .video_camera import Shot, cameras_along
 
-FORMATS = (".npz", ".glb", ".usdc", ".bvh", ".mp4")
+FORMATS = (".npz", ".glb", ".usdc", ".bvh", ".mp4", "_vat.png")
 
 
 @dataclass
@@ -44,15 +45,15 @@ def animate(
     retargeting: d.RetargetOptions,
     output: Output | None = None,
 ) -> int:
-    """A new animation as .npz, .glb, .usdc, .bvh or .mp4; returns the number of frames."""
-    if out.suffix not in FORMATS:
+    """A new animation as .npz, .glb, .usdc, .bvh, .mp4 or _vat.png; returns the number of frames."""
+    if not out.name.endswith(FORMATS):
         raise ValueError(f"{out} must end in one of {', '.join(FORMATS)}")
     if output and output.shot and out.suffix != ".mp4":
         raise ValueError(f"{out}: expected an .mp4 for a size, camera or background, found {out.suffix}")
     if output and output.bone_names and out.suffix not in (".bvh", ".glb"):
         raise ValueError(f"{out}: expected a .bvh or .glb for bones of other names, found {out.suffix}")
     if output and output.triangles and out.suffix == ".bvh":
-        raise ValueError(f"{out}: expected a .glb, .npz, .usdc or .mp4 for a level of detail, found {out.suffix}")
+        raise ValueError(f"{out}: expected a .glb, .npz, .usdc, .mp4 or _vat.png for a level of detail, found {out.suffix}")
     if out.suffix == ".usdc":
         usd_modules()  # before the work
     context, output = console.context(), output or Output()
@@ -66,6 +67,8 @@ def animate(
         return write_video(character, motion, out, context, output.shot, output.animation, shown)
     if out.suffix == ".usdc":
         return write_usdc(out, character, motion, output.animation, context, drawn)
+    if out.suffix == ".png":
+        return write_vertex_animation(out, character, motion, output.animation, context, drawn)
     if out.suffix == ".bvh":
         motion = d.resample(character.actor.skeleton, motion, 1 / character.solver.dt)
         d.write_bvh(out, character.actor.skeleton, motion)

@@ -23,7 +23,8 @@ def register(commands) -> None:
     command = commands.add_parser("animate", help="a character and a motion -> a new animation")
     command.add_argument("character", type=Path, metavar="CHARACTER.glb")
     command.add_argument("motion", type=Path, metavar="MOTION", help=MOTION_HELP)
-    command.add_argument("-o", "--out", type=Path, metavar="OUT", help=".npz, .glb, .usdc, .mp4, or .bvh of the skeleton alone")
+    text = ".npz, .glb, .usdc, .mp4, _vat.png (vertex animation texture), or .bvh of the skeleton alone"
+    command.add_argument("-o", "--out", type=Path, metavar="OUT", help=text)
     text = "write which joint of the motion plays which of ours, and how that was guessed, for --bone-map, and run nothing"
     command.add_argument("--write-bone-map", type=Path, metavar="FILE", help=text)
     text = "which joint of the motion plays which of ours, from a TOML file; --retarget-joint-names beats it"
