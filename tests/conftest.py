@@ -4,12 +4,10 @@
 LONGEST = (
     "test_reconstruct",
     "test_code_blocks",
-    "test_masks_only",
     "test_scan",
     "test_new_session",
     "test_consumer",
     "test_calibrate",
-    "test_refined_cameras",
     "test_edit_segmentation",
     "test_view",
 )

@@ -277,7 +277,7 @@ TEST(Player, ManyTogetherMoveAsEachAlone) {
   expect_together_as_alone(ready(all_of_it), {3, 5});
 }
 /// Lanes that are full and lanes that are not, one group and two.
-TEST(Player, AnyNumberTogetherMovesAsEachAlone) {
+TEST(SlowPlayer, AnyNumberTogetherMovesAsEachAlone) {
   expect_together_as_alone(ready(), {1, 8, 9});
 }
 

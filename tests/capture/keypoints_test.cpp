@@ -250,7 +250,7 @@ TEST(Keypoints, TellWhatSilhouettesDoNot) {
   EXPECT_TRUE(std::isnan(without.summary.keypoint_distance[0]));
 }
 
-TEST(Keypoints, ACaptureGoesOnByThemToTheSameBits) {
+TEST(SlowKeypoints, ACaptureGoesOnByThemToTheSameBits) {
   const Scene scene;
   MatrixRM truth = MatrixRM::Zero(3, scene.truth.size());
   for (int t = 0; t < truth.rows(); ++t)

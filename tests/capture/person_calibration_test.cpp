@@ -196,7 +196,7 @@ TEST(PersonCalibration, StopsWhenItIsAskedTo) {
   EXPECT_THROW(calibrate_from_person(take.views, options(), context), Cancelled);
 }
 
-TEST(PersonCalibration, ACameraOfAnotherTimeIsNamed) {
+TEST(SlowPersonCalibration, ACameraOfAnotherTimeIsNamed) {
   Take take = film(doublet::testing::camera_ring(5, kSize), false);
   std::rotate(take.views[3].seen.begin(), take.views[3].seen.begin() + 25 * kKeypoints, take.views[3].seen.end());
   try {

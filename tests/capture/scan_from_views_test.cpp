@@ -230,7 +230,7 @@ TEST(ScanFromViews, SameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(a.faces, b.faces);
 }
 
-TEST(ScanFromViews, ASilhouetteWithAHoleMayBeOutvoted) {
+TEST(SlowScanFromViews, ASilhouetteWithAHoleMayBeOutvoted) {
   const Mesh drum = dented_drum();
   const CameraRig rig = camera_ring(8, 200);
   std::vector<CameraView> views = views_of(drum, rig);

@@ -75,7 +75,7 @@ TEST(Start, ATakeThatEndsInTheScansPoseIsTrackedBackFromThere) {
     EXPECT_GT(overlap, 0.85);
 }
 
-TEST(Start, ItsPoseIsFoundInATakeThatIsNeverInTheScans) {
+TEST(SlowStart, ItsPoseIsFoundInATakeThatIsNeverInTheScans) {
   Scene scene;
   MatrixRM dofs = raised_arms(scene, 16).bottomRows(4);
   dofs.col(3).array() += 160 * kDegree; // with the back to where the scan faces

@@ -72,7 +72,7 @@ TEST(Tracker, FollowsWithSilhouettesAlone) {
       EXPECT_TRUE(view.matches.empty());
 }
 
-TEST(Tracker, GoesOnWhenCamerasDropOut) {
+TEST(SlowTracker, GoesOnWhenCamerasDropOut) {
   const RiggedMesh actor = figure();
   const CameraRig rig = ring();
   const MatrixRM dofs = motion(actor, kFrames);
@@ -96,7 +96,7 @@ TEST(Tracker, FindsTheActorElsewhereInTheFirstFrame) {
   EXPECT_LT(joint_error(track(actor, frames, rig), actor, dofs), 0.012);
 }
 
-TEST(Tracker, ToleratesAnActorPartlyOutsideTheImages) {
+TEST(SlowTracker, ToleratesAnActorPartlyOutsideTheImages) {
   const RiggedMesh actor = figure();
   CameraRig rig = ring();
   for (size_t c = 0; c < rig.size(); c += 2)

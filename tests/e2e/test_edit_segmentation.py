@@ -92,6 +92,7 @@ def wait_for_regions(browser, text: str) -> None:  # noqa: F811
     WebDriverWait(browser, 30).until(lambda b: b.find_element(By.ID, "regions").text == text)
 
 
+@pytest.mark.slow
 def test_a_border_all_around_parts_two_regions(out, job, served, browser):  # noqa: F811
     url, process = served
     browser.get(url)

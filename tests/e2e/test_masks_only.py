@@ -9,6 +9,7 @@ import pytest
 from conftest import SESSION, doublet
 from PIL import Image
 
+pytestmark = pytest.mark.slow  # a whole reconstruction
 COUNT = 10
 
 

@@ -112,6 +112,7 @@ def test_wrong_arguments_are_one_sentence(filmed, tmp_path, capsys, more, expect
     assert not (tmp_path / "new").exists()
 
 
+@pytest.mark.slow
 def test_keypoints_of_another_video_name_the_camera(filmed, tmp_path, capsys):
     shutil.copytree(filmed / "keypoints", tmp_path / "keypoints")
     wrong = tmp_path / "keypoints" / "cam4.json"

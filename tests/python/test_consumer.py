@@ -59,6 +59,7 @@ def test_installed_package(installed, tmp_path):
 OTHERS = ("OpenCV", "PNG", "JPEG", "OpenMesh", "embree", "nlohmann_json", "TinyGLTF", "PkgConfig")  # all that is not Eigen
 
 
+@pytest.mark.slow
 def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
     """Where none of the others can be found. A solver of a stranger's passes the kit there."""
     hidden = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in OTHERS]

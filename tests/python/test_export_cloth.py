@@ -177,6 +177,7 @@ def cm_between(a, b):
     return 100 * np.sqrt(np.mean(np.sum((a - b) ** 2, axis=-1)))
 
 
+@pytest.mark.slow
 def test_an_explicit_solver_in_si_units_makes_the_same_cloth(exported):
     """Two seconds. The same with a tenth of the stiffnesses is another cloth."""
     cloth, motion = read(exported[1])

@@ -81,6 +81,7 @@ def segmented(world, segmenter, context=None):
     return d.segment_performance(world.actor, world.performance, segmenter, context=context or d.Context())
 
 
+@pytest.mark.slow
 def test_one_segmenter_in_several_threads(world):
     """While another thread collects garbage all the time."""
     expected, segmenter = segmented(world, Below()).clothness, Below()

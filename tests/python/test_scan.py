@@ -338,6 +338,7 @@ def tracked(session: d.Session, out, outwards: float) -> None:
     d.write_segmentation(out / "segmentation.npz", d.Segmentation(nothing, nothing, np.full(len(rest), -1)))
 
 
+@pytest.mark.slow
 def test_a_scan_is_refined_by_what_was_tracked(session_with_scan, tmp_path):
     folder, out = session_with_scan, tmp_path / "out"
     first = d.read_mesh(folder / "scan.ply")

@@ -174,6 +174,7 @@ def test_an_estimate_costs_least_on_its_own_motion(out, tmp_path):
     assert costs.shape == (2, 3) and (costs[0] == costs[1]).all() and costs[0, 0] == costs[0, 1] < costs[0, 2]
 
 
+@pytest.mark.slow
 def test_pictures(out, tmp_path):
     """Fig. 5a has the energy of its node; Fig. 5b begins where it is told."""
     from reconstructions import energies, energy_job, estimate, plain_job
