@@ -20,8 +20,8 @@ constexpr double kFound = 0.25;        // of the box: a 90 % interval below it i
 constexpr double kGuess = 0.5;         // of the box: above it a guess
 constexpr double kDisputed = 0.1;      // of the box: searches whose answers are spread by more disagree
 constexpr double kAtBound = 0.01;      // of the box: closer to its bound is at it
-constexpr int kGroup = 16;             // samples of one width, see BayesianOptions
-constexpr int kCandidates = 4;         // for an answer: what the optimiser says, and the lowest samples
+constexpr int kPerWidth = 16;          // samples of one width, see BayesianOptions
+constexpr int kAnswers = 4;            // for an answer: what the optimiser says, and the lowest samples
 constexpr int kRepeats = 8;            // of each, whose mean is its energy; all together fill 32 lanes
 constexpr double kNowhere = 0.001;     // of the box: far below what any film tells
 constexpr double kElsewhere = 0.02;    // of the box, along some axis: another candidate
@@ -43,13 +43,14 @@ MatrixRM initial_design_size(const Searched &searched, int count, int share) {
   MatrixRM samples = even_points(count, searched.size(), share * count);
   const auto &names = searched.space.names;
   const auto stretch = std::find(names.begin(), names.end(), "k_stretch") - names.begin();
-  const double last_group = std::max<double>(1, (count - 1) / kGroup);
+  const double last_group = std::max<double>(1, (count - 1) / kPerWidth);
   for (Eigen::Index s = 0; s < count; ++s) {
     if (stretch < searched.space.size() && s % 4 != 3)
       samples(s, stretch) = 1;
     if (searched.widths > 1)
       samples(s, searched.space.size()) =
-          static_cast<double>(width_index(static_cast<double>(s / kGroup) / last_group, searched.widths)) / (searched.widths - 1);
+          static_cast<double>(width_index(static_cast<double>(s / kPerWidth) / last_group, searched.widths)) /
+          (searched.widths - 1);
   }
   return samples;
 }
@@ -277,12 +278,12 @@ std::vector<Eigen::VectorXd> candidates(const MinimiseResult &found, int part) {
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return energies[a] < energies[b]; });
   for (Eigen::Index sample : order) {
     const Eigen::VectorXd unit = samples.row(sample).transpose();
-    if (chosen.size() < kCandidates && std::all_of(chosen.begin(), chosen.end(), [&](const Eigen::VectorXd &other) {
+    if (chosen.size() < kAnswers && std::all_of(chosen.begin(), chosen.end(), [&](const Eigen::VectorXd &other) {
           return (other - unit).cwiseAbs().maxCoeff() > kElsewhere;
         }))
       chosen.push_back(unit);
   }
-  chosen.resize(kCandidates, chosen.back());
+  chosen.resize(kAnswers, chosen.back());
   return chosen;
 }
 
@@ -308,8 +309,8 @@ AnswerCost cost_of(const std::vector<Eigen::VectorXd> &candidates, const Eigen::
   AnswerCost cost;
   cost.energy = std::numeric_limits<double>::infinity();
   cost.centre = energies[energies.size() - 1];
-  for (int c = 0; c < kCandidates; ++c) {
-    const Eigen::VectorXd own = energies.segment(c * kRepeats, kRepeats - (c + 1 == kCandidates ? 1 : 0));
+  for (int c = 0; c < kAnswers; ++c) {
+    const Eigen::VectorXd own = energies.segment(c * kRepeats, kRepeats - (c + 1 == kAnswers ? 1 : 0));
     if (own.mean() >= cost.energy)
       continue;
     cost.answer = candidates[c];
@@ -322,13 +323,13 @@ AnswerCost cost_of(const std::vector<Eigen::VectorXd> &candidates, const Eigen::
 /// [searches][regions], all in one go.
 std::vector<std::vector<AnswerCost>> answer_costs(AllTakes &objective, const Searches &searches, const MinimiseResult &found,
                                                   const Searched &searched, const Context &context) {
-  const int n = searched.size(), rows = kCandidates * kRepeats, regions = searches.regions();
+  const int n = searched.size(), rows = kAnswers * kRepeats, regions = searches.regions();
   MatrixRM samples(static_cast<Eigen::Index>(searches.count()) * rows, static_cast<Eigen::Index>(n) * regions);
   std::vector<std::vector<std::vector<Eigen::VectorXd>>> tried(searches.count());
   for (int k = 0; k < searches.count(); ++k)
     for (int r = 0; r < regions; ++r) {
       tried[k].push_back(candidates(found, searches.part(k, r)));
-      for (int c = 0; c < kCandidates; ++c)
+      for (int c = 0; c < kAnswers; ++c)
         samples.block(k * rows + c * kRepeats, r * n, kRepeats, n) = repeats_of(tried[k][r][c], searched.space.size());
       samples.row((k + 1) * rows - 1).segment(r * n, searched.space.size()).setConstant(0.5);
     }

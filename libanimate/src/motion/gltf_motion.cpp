@@ -26,7 +26,7 @@ constexpr double kFewestKeys = 24, kMostKeys = 240; // 1/s at which a clip is sa
 constexpr std::size_t kMostSkins = 1000;
 constexpr double kMostKeysInFile = 5e7; // several tracks may name the same keys
 constexpr double kRounding = 1e-4;      // s, by which key times, which are floats, may be off
-constexpr double kStill = 1e-3;         // by which a component of a quaternion, or of a place (m), may vary
+constexpr double kUnchanged = 1e-3;     // by which a component of a quaternion, or of a place (m), may vary
 constexpr double kMovesTheBody = 0.5;   // of the nodes that the liveliest animation turns
 
 enum class Between { Step, Linear, Cubic };
@@ -66,7 +66,7 @@ struct Track {
   bool moves() const {
     const Eigen::VectorXd first = key(0);
     for (std::size_t k = 1; k < times().size(); ++k)
-      if ((key(k) - first).cwiseAbs().maxCoeff() > kStill)
+      if ((key(k) - first).cwiseAbs().maxCoeff() > kUnchanged)
         return true;
     return false;
   }
