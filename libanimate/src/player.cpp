@@ -27,8 +27,9 @@ constexpr double kStill = 0.02, kHeldAfter = 0.25, kRestGrows = 1; // m/s, s, s
 constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
 // A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
-// In motion it is looked at now and then: cloth that is caught twice in a row does not come loose by itself.
-constexpr double kWatchEvery = 0.5; // s
+// In motion it is looked at now and then: cloth that is caught twice in a row does not come loose by itself. It is seen for less
+// time then, since what goes along with limbs that move apart is drawn out between them.
+constexpr double kWatchEvery = 0.5, kFreedInMotion = 0.1; // s
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -157,7 +158,7 @@ struct Player::Playing {
     carry_caught(shared, seconds);
     std::swap(posed, next);
     if (shared.options.redrape_when_tangled && !looked && held_seconds >= kCaughtAfter)
-      redrape_when_tangled(shared, seconds);
+      redrape_when_tangled(shared, seconds, kFreed);
     if (shared.options.redrape_when_tangled)
       watch(shared, seconds);
   }
@@ -169,7 +170,7 @@ struct Player::Playing {
     watched_seconds = 0;
     const bool is_caught = shared.caught_cloth.is_caught(state, posed, surfaces);
     looks_caught = is_caught ? looks_caught + 1 : 0;
-    if (looks_caught > 1 && std::has_single_bit(looks_caught) && redrape_when_tangled(shared, seconds))
+    if (looks_caught > 1 && std::has_single_bit(looks_caught) && redrape_when_tangled(shared, seconds, kFreedInMotion))
       looks_caught = 0;
   }
   /// Real cloth rubs itself to rest, whatever its drag and damping are; ours would swing on like a pendulum.
@@ -205,8 +206,8 @@ struct Player::Playing {
     }
   }
   /// After a step of so many seconds: cloth that passes through itself, or has a limb through it, is put on anew if that is
-  /// better. Was it?
-  bool redrape_when_tangled(const Shared &shared, double seconds) {
+  /// better, and what is drawn goes over to it within `freed` s. Was it?
+  bool redrape_when_tangled(const Shared &shared, double seconds, double freed) {
     looked = true;
     const double faults = shared.caught_cloth.faults_of(state, posed);
     if (faults == 0)
@@ -217,7 +218,7 @@ struct Player::Playing {
     std::swap(caught, state);
     state = std::move(anew);
     move_as_skin(shared, seconds);
-    caught_seconds = kFreed;
+    caught_seconds = caught_for = freed;
     wake();
     looked = true;
     return true;
@@ -249,7 +250,7 @@ struct Player::Playing {
   }
   void draw_surface(const Shared &shared) {
     shared.simulator.surface(state, posed, frame.surface);
-    const double left = caught_seconds / kFreed, share = left * left * (3 - 2 * left);
+    const double left = caught_seconds / caught_for, share = left * left * (3 - 2 * left);
     for (std::size_t r = 0; share > 0 && r < caught.regions.size(); ++r) {
       const std::vector<int> &vertices = shared.simulator.regions()[r].vertex_from_cloth;
       for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -314,8 +315,8 @@ struct Player::Playing {
   double watched_seconds = 0; ///< since the cloth was last looked at in motion
   unsigned looks_caught = 0;  ///< in how many looks up to that one it was caught
   std::vector<Mesh> surfaces; ///< of each region, for a while
-  CharacterState caught;      ///< the cloth that was, and how long it will still be seen
-  double caught_seconds = 0;
+  CharacterState caught;      ///< the cloth that was, and how long it will still be seen, of how long
+  double caught_seconds = 0, caught_for = kFreed;
   std::vector<Vertices> before; ///< of each region, at the start of the step
   Eigen::VectorXd ahead;        ///< the pose that the step at hand goes to
   StepBuffers buffers;
