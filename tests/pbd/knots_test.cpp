@@ -230,11 +230,11 @@ TEST(Knots, WhatIsDraggedOffIsNotLongerThanTwiceItsLength) {
     return longest;
   };
   EXPECT_GT(dragged(false), 2.5); // 2.7
-  EXPECT_LT(dragged(true), 2.1);
+  EXPECT_LT(dragged(true), 1.9);
 }
 
 /// A corner of free cloth that has been pulled out comes back within a frame, and the cloth as a whole goes nowhere.
-TEST(Knots, WhatIsLongerThanTwiceItsLengthIsBroughtBackFromBothEnds) {
+TEST(Knots, WhatIsFarTooLongIsBroughtBackFromBothEnds) {
   const scenes::Sheet sheet = scenes::grid(12, 12, 0.025);
   ClothOptions options;
   options.edge_collision = true;
@@ -259,7 +259,7 @@ TEST(Knots, WhatIsLongerThanTwiceItsLengthIsBroughtBackFromBothEnds) {
   StepInputs in;
   in.targets = sheet.rest;
   solver->step(state, in, soft);
-  EXPECT_LT(longest_edge(sheet, state.positions), 2.1);
+  EXPECT_LT(longest_edge(sheet, state.positions), 1.9);
   EXPECT_LT((mass * state.positions - middle).norm(), 1e-5);
 }
 

@@ -38,7 +38,7 @@ struct AnimateOptions {
                "The garment is draped anew when it is tangled, in a held pose or for long in motion",
                "When a pose is held for 0.75 s and over 0.5 % of the faces cross or a limb is through the cloth; in motion, when "
                "it is all in a knot or a bone is through it for 0.5 s. The new state is used if it is better, and blended in "
-               "over 0.5 s"),
+               "over 0.5 s, in motion over 0.1 s"),
         option(&O::high, "high", "The animation has the display surface M_high, too"),
         option(&O::body, "body", "The animation has the body under the clothes, too"),
         option(&O::resolve_arm_penetration, "resolve_arm_penetration",
