@@ -13,7 +13,7 @@ constexpr float kMaxSpeed =
     100; ///< m/s, safety clamp: four times what a person's hand can do, three times a falling skydiver's speed
 constexpr float kDepenetrationSpeed = 1; ///< m/s at which a penetration that the start brought along is opened
 constexpr float kViolated = 0.1f;        ///< of its length, by which the sweeps may leave a stretch too long, where edges collide
-constexpr float kLongest = 1.8f;            ///< times its length at rest that cloth may be, where edges collide
+constexpr float kLongest = 1.8f;         ///< times its length at rest that cloth may be, where edges collide
 constexpr int kLimitSweeps = 20;         ///< at most for either, in a substep
 constexpr float kPulledOff = 5e-4f;      ///< m beyond the thickness at which a contact no longer rubs
 
