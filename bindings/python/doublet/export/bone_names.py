@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import re
-import struct
 from pathlib import Path
 
 from ..common.files import written_atomically
+from .glb_file import packed_glb, unpacked_glb
 
 BOTH = {
     "unreal": {
@@ -26,7 +25,6 @@ MIDDLE = {
 }
 #: Of Unreal's mannequin, and of Unity's humanoid and VRM.
 SCHEMES = tuple(BOTH)
-JSON_CHUNK = 20  # where the text of a .glb begins
 
 
 def names_of(scheme: str) -> dict[str, str]:
@@ -53,12 +51,8 @@ def renamed_bvh(content: bytes, names: dict[str, str]) -> bytes:
 
 def renamed_glb(content: bytes, names: dict[str, str]) -> bytes:
     """The nodes that a skin names as its joints."""
-    (length,) = struct.unpack_from("<I", content, 12)
-    gltf, rest = json.loads(content[JSON_CHUNK : JSON_CHUNK + length]), content[JSON_CHUNK + length :]
+    gltf, rest = unpacked_glb(content)
     for joint in {joint for skin in gltf.get("skins", []) for joint in skin["joints"]}:
         node = gltf["nodes"][joint]
         node["name"] = names.get(node["name"], node["name"])
-    text = json.dumps(gltf, separators=(",", ":"), ensure_ascii=False).encode()
-    text += b" " * (-len(text) % 4)
-    header = struct.pack("<4sIIII", b"glTF", 2, JSON_CHUNK + len(text) + len(rest), len(text), 0x4E4F534A)
-    return header + text + rest
+    return packed_glb(gltf, rest)

@@ -9,9 +9,7 @@ Channels are Blender's axes: x, -z, y.
 
 from __future__ import annotations
 
-import json
 import shutil
-import struct
 import subprocess
 from pathlib import Path
 
@@ -21,6 +19,7 @@ from .. import _doublet as d
 from ..common.files import write_json, written_atomically
 from ..common.programs import as_file, ffmpeg
 from ..common.video import NO_FFMPEG
+from .glb_file import buffer_chunk, packed_glb
 
 MOST_COLUMNS = 8192
 MOST_ROWS = 16384  # of a texture, of graphics cards
@@ -48,7 +47,7 @@ class DrawnParts:
     def __init__(self, character: d.Character, drawn: d.TexturedFaces):
         if not len(character.high.faces):
             raise ValueError(f"vertex animation: expected a character with a display surface, found {character.name} without one")
-        self.character, self.textured = character, len(drawn.texcoords) > 0
+        self.textured = len(drawn.texcoords) > 0
         self.normal_faces = character.high.faces[np.asarray(character.high_valid, bool)]
         self.body_faces = character.body.faces[np.asarray(character.body_shown, bool)]
         places = drawn.texcoords if self.textured else np.zeros((3 * len(drawn.faces), 2))
@@ -205,8 +204,5 @@ def write_mesh(
     ]
     gltf |= {"nodes": [{"mesh": 0, "name": path.stem}], "meshes": [{"name": path.stem, "primitives": primitives}]}
     gltf |= {"accessors": buffer.accessors, "bufferViews": buffer.views, "buffers": [{"byteLength": len(buffer.bytes)}]}
-    text = json.dumps(gltf, separators=(",", ":"), ensure_ascii=False).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(buffer.bytes), 0x004E4942) + buffer.bytes
     with written_atomically(path) as beside:
-        beside.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+        beside.write_bytes(packed_glb(gltf, buffer_chunk(buffer.bytes)))
