@@ -346,6 +346,12 @@ def test_a_texture_has_the_points_and_normals_of_every_frame(character, motion, 
             np.testing.assert_allclose(normals[corners], d.vertex_normals(moved, of_all)[faces], atol=1e-4)
 
 
+def test_a_texture_without_the_body_has_the_surface_alone(character, motion, tmp_path):
+    assert np.any(character.body_shown)
+    write_vertex_animation(tmp_path / "dance_vat.png", character, motion, d.AnimateOptions(body=False))
+    assert len(Shader(tmp_path / "dance_vat.png").viewer.gltf["meshes"][0]["primitives"]) == 1
+
+
 def test_the_mesh_of_a_texture_is_textured_and_valid(character, motion, tmp_path):
     modules = os.environ.get("DOUBLET_NODE_DIR")
     if not modules:
@@ -364,6 +370,8 @@ def test_textures_that_cannot_be_are_refused_before_the_work(character, motion, 
     monkeypatch.setattr(d, "animate_each", None)
     with pytest.raises(ValueError, match=r"expected a name that ends in _vat.png .* found dance.png"):
         write_vertex_animation(tmp_path / "dance.png", character, motion)
+    with pytest.raises(ValueError, match=r"expected the display surface .* found it left out"):
+        write_vertex_animation(tmp_path / "dance_vat.png", character, motion, d.AnimateOptions(high=False))
     long = d.Motion(motion.fps, np.tile(motion.dofs, (1000, 1)))
     with pytest.raises(ValueError, match=r"expected at most 8192 frames of \d+ vertices, found 12000 \(--lod\)"):
         write_vertex_animation(tmp_path / "dance_vat.png", character, long)

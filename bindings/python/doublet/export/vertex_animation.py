@@ -44,12 +44,12 @@ def texture_layout(vertices: int, frames: int) -> tuple[int, int]:
 class DrawnParts:
     """The vertices of what is drawn: of the display surface (those at seams of the texture once a side), then of the body."""
 
-    def __init__(self, character: d.Character, drawn: d.TexturedFaces):
+    def __init__(self, character: d.Character, drawn: d.TexturedFaces, body: bool):
         if not len(character.high.faces):
             raise ValueError(f"vertex animation: expected a character with a display surface, found {character.name} without one")
         self.textured = len(drawn.texcoords) > 0
         self.normal_faces = character.high.faces[np.asarray(character.high_valid, bool)]
-        self.body_faces = character.body.faces[np.asarray(character.body_shown, bool)]
+        self.body_faces = character.body.faces[np.asarray(character.body_shown, bool) & body]
         places = drawn.texcoords if self.textured else np.zeros((3 * len(drawn.faces), 2))
         corners = np.column_stack([drawn.faces.ravel(), places])
         split, numbers = np.unique(corners, axis=0, return_inverse=True)
@@ -75,13 +75,15 @@ def write_vertex_animation(
 ) -> int:
     """The animation of a motion as OUT_vat.png, with OUT_vat.glb and OUT-remap_info.json beside it (above). `drawn`: faces in the
     place of the surface's; None or empty = its own. Returns the number of frames. Raises ValueError if `out` does not end in
-    _vat.png, the character has no display surface, or no graphics card would take the texture; RuntimeError if a file cannot be
-    written."""
+    _vat.png, there is no display surface, or no graphics card takes such a texture; RuntimeError if a file cannot be written."""
     out = Path(out)
     require_name(out)
     if not shutil.which(ffmpeg()):
         raise FileNotFoundError(NO_FFMPEG)
-    parts = DrawnParts(character, drawn if drawn is not None and len(drawn.faces) else d.drawn_faces(character))
+    options = options or d.AnimateOptions()
+    if not options.high:
+        raise ValueError(f"{out}: expected the display surface for a vertex animation texture, found it left out (high)")
+    parts = DrawnParts(character, drawn if drawn is not None and len(drawn.faces) else d.drawn_faces(character), options.body)
     fps = 1 / character.solver.dt
     texture_layout(parts.count, int((len(motion) - 1) * fps / motion.fps) + 1)  # before the work
     rest, rest_normals = parts.points_and_normals(character.high.vertices, character.body.vertices)
@@ -93,7 +95,7 @@ def write_vertex_animation(
         steps.append(to_blender(points - rest).astype(np.float32))
         normals.append(np.round((to_blender(turned) / 2 + 0.5) * WHOLE).astype(np.uint16))
 
-    frames = d.animate_each(character, motion, keep, options or d.AnimateOptions(), context or d.Context())
+    frames = d.animate_each(character, motion, keep, options, context or d.Context())
     columns, rows = texture_layout(parts.count, frames)
     low = np.min([frame.min(axis=0) for frame in steps], axis=0).astype(float)
     span = np.max([frame.max(axis=0) for frame in steps], axis=0) - low
