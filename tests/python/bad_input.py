@@ -323,6 +323,8 @@ spoilt_by(
 
 RECONSTRUCT = "reconstruct session -o new"
 SESSION = "session/session.json"
+spoilt_by("Session", "scan footage/videos", videos_in_its_place=lambda folder: None)
+spoilt_by("Session", "scan footage/videos/cam0.mp4", a_video_in_its_place=lambda folder: None)
 spoilt_by(
     "Session",
     RECONSTRUCT,
@@ -411,6 +413,12 @@ spoilt_by(
     a_mask_too_few=gone("footage/masks/cam1/0003.png"),
     masks_of_another_size=all_masks(lambda mask: mask[::2].copy()),
 )
+spoilt_by(
+    "New session",
+    f"{NEW_SESSION} --scan scan.ply",
+    a_scan_that_is_not_there=content(FOOTAGE + "cam1.mp4", "a letter"),  # said before the videos are read
+)
+spoilt_by("New session", "new-session footage/videos -o new", no_calibration=lambda folder: None)
 
 # --- calibrations of other programs
 

@@ -96,17 +96,18 @@ def test_cameras_in_another_world_are_the_same_cameras():
 @pytest.mark.parametrize(
     "more, expected",
     [
-        ((), "expected either --calibration FILE or --calibrate KEYPOINTS"),
+        ((), "expected --calibration FILE, or --calibrate KEYPOINTS"),
         (("--calibration", EXAMPLE / "calibration.yml", "--height", 1.7), "--height: expected --calibrate"),
         (("--calibrate", "keypoints", "--height", 170), "--height: expected a number in [0.3, 3], found 170"),
         (("--calibrate", "keypoints", "--field-of-view", 0), "--field-of-view: expected a number in [1, 170], found 0"),
         (("--calibration", EXAMPLE / "calibration.yml", "--calibrate", "keypoints"), "--calibrate: expected no --calibration"),
         (("--keypoints", "keypoints"), "--keypoints: expected --calibration FILE beside it, found none"),
-        (("--calibrate", "nothing"), "expected a folder with the keypoints of each camera, found none"),
+        (("--calibrate", "nothing"), "nothing: no such file or folder"),
+        (("--calibrate", "videos"), "videos: expected a JSON file, or a folder of them, for each camera, found none"),
     ],
 )
 def test_wrong_arguments_are_one_sentence(filmed, tmp_path, capsys, more, expected):
-    more = [filmed / part if part in ("keypoints", "nothing") else part for part in more]
+    more = [filmed / part if part in ("keypoints", "nothing", "videos") else part for part in more]
     call(filmed, tmp_path / "new", *more, status=1)
     assert expected in capsys.readouterr().err
     assert not (tmp_path / "new").exists()

@@ -249,11 +249,14 @@ Session read_session(const fs::path &folder) {
   detail::quiet_opencv();
   Session session;
   session.folder = fs::absolute(folder).lexically_normal();
-  if (!fs::is_directory(session.folder))
-    throw FileNotFound(session.folder.string() + ": the session folder does not exist");
   const fs::path source = session.folder / "session.json";
-  if (!fs::is_regular_file(source))
-    throw FileNotFound(source.string() + ": expected the description of the session, found no such file");
+  if (!fs::is_regular_file(source)) {
+    const char *found = fs::is_directory(session.folder) ? "no session.json in it"
+                        : fs::exists(session.folder)     ? "a file"
+                                                         : "no such folder";
+    throw FileNotFound(session.folder.string() + ": expected the folder of a session, found " + found +
+                       "; `doublet new-session` makes one from videos");
+  }
   const Json json = read_json(source);
   const std::string where = source.string();
   session.name = value<std::string>(json, "name", where, "a text");

@@ -26,7 +26,10 @@ DOUBTFUL_SHARE, DOUBTFUL_TANGENT = 0.6, 0.01  #: of keypoints that agree, below;
 
 def require_one_way(request: Request) -> None:
     if request.calibration is None and request.keypoints is None:
-        raise ValueError("expected either --calibration FILE or --calibrate KEYPOINTS")
+        raise ValueError(
+            "expected --calibration FILE, or --calibrate KEYPOINTS (the person's joints in the videos, as MediaPipe or OpenPose "
+            "write them), found neither"
+        )
     for flag, value, least, most in (("--height", request.height, 0.3, 3), ("--field-of-view", request.field_of_view, 1, 170)):
         if value is None:
             continue

@@ -14,6 +14,7 @@ from ..common.images import ImageSeries, clock_step, numbers_of
 from ..common.video import VideoFile, read_video
 from .camera_files import CameraFile, list_files, match
 from .external_masks import KINDS, ExternalMasks, read_masks, require_count, require_size
+from .keypoints import match_keypoints
 from .request import FilmedCamera, Request
 
 SQUEEZED = 1.1  #: how much more one axis may be scaled than the other
@@ -26,6 +27,8 @@ def filmed_cameras(request: Request, console: Console, messages: list[str]) -> l
     files = match(names, files, request.cameras)
     masks = match(names, list_files(request.masks), what="mask series") if request.masks else {}
     plates = match(names, list_files(request.background, single_images=True), what="clean plate") if request.background else {}
+    if request.keypoints:
+        match_keypoints(names, request.keypoints)  # read later, refused before the videos are
     cameras = []
     for index, name in enumerate(names):
         source = read_source(files[name], request.fps)

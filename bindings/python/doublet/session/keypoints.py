@@ -141,12 +141,16 @@ def list_keypoints(path: Path) -> list[CameraFile]:
     return [CameraFile(p.stem, p) for p in entries]
 
 
+def match_keypoints(names: Sequence[str], path: Path) -> dict[str, CameraFile]:
+    return match(names, list_keypoints(path), what="file or folder of keypoints")
+
+
 def read_keypoints(
     path: Path, names: Sequence[str], counts: Sequence[int], images: Sequence[Sequence[int]] = ()
 ) -> list[CameraKeypoints]:
     """Of cameras whose videos have so many frames, or images of such numbers. Programs count frames from 0 or from 1, and leave
     out those at the beginning in which they see nobody. Numbers that a video does not have begin with it."""
-    files = match(names, list_keypoints(path), what="file or folder of keypoints")
+    files = match_keypoints(names, path)
     seen = [CameraKeypoints(files[name].path) for name in names]
     beyond = [max(keypoints.stated, default=0) + 1 - count for keypoints, count in zip(seen, counts)]
     least = min(min(keypoints.stated, default=0) for keypoints in seen)

@@ -32,6 +32,7 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
     """Writes the session folder, complete or not at all. Raises FileNotFoundError, ValueError or RuntimeError with one sentence
     that names file, expectation and finding; FileExistsError if the folder is there."""
     console, messages, findings = console or Console(), [], []
+    require_inputs(request)
     refuse_existing(request)
     calibrate.require_one_way(request)
     cameras = filmed_cameras(request, console, messages)
@@ -58,18 +59,22 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
     return NewSession(request.out, messages, findings)
 
 
+def inputs(request: Request) -> list[Path]:
+    single = [request.calibration, request.keypoints, request.scan, request.joints]
+    return [*request.videos, *request.masks, *request.background, *filter(None, single)]
+
+
+def require_inputs(request: Request) -> None:
+    """Before videos are decoded for minutes."""
+    for path in inputs(request):
+        if not path.exists():
+            raise FileNotFoundError(f"{path}: no such file or folder")
+
+
 def refuse_existing(request: Request) -> None:
     out = request.out.absolute()
-    for path in [
-        *request.videos,
-        request.calibration,
-        request.keypoints,
-        *request.masks,
-        *request.background,
-        request.scan,
-        request.joints,
-    ]:
-        if path is not None and path.absolute().is_relative_to(out) and path.exists():
+    for path in inputs(request):
+        if path.absolute().is_relative_to(out):
             raise ValueError(
                 f"{path}: expected files outside of the new session {request.out}, found one inside; choose another folder"
             )

@@ -35,6 +35,10 @@ def offset(text: str) -> tuple[str, float]:
 def register(commands) -> None:
     text = "videos and a calibration -> a session folder: matched, synchronised, upright"
     command = commands.add_parser("new-session", help=text, description=text, intermixed=True)
+    command.usage = (
+        "doublet new-session VIDEO ... --calibration FILE -o SESSION [options]\n"
+        "       doublet new-session VIDEO ... --calibrate KEYPOINTS --height M -o SESSION [options]"
+    )
     flag = command.add_argument
     flag(
         "videos",
