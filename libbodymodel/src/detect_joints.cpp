@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace doublet {
 namespace {
@@ -64,21 +66,23 @@ constexpr double kLargestResidual = 0.02;
 
 using Marks = std::map<std::string, Eigen::Vector3d>;
 
+constexpr int kLimbs = 5, kMoreEnds = 3; // head, hands, feet; and corners of a garment that may be mistaken for them
+
 /// Farthest points along the surface: the first from the vertex nearest to the middle, each next from all before.
-std::array<Eigen::Vector3d, 5> ends_of(const Mesh &surface) {
+std::vector<Eigen::Vector3d> ends_of(const Mesh &surface) {
   const auto neighbours = vertex_neighbours(surface.faces, static_cast<int>(surface.vertices.rows()));
   const Eigen::RowVector3d middle = surface.vertices.colwise().mean();
   Eigen::Index nearest = 0;
   (surface.vertices.rowwise() - middle).rowwise().squaredNorm().minCoeff(&nearest);
   std::vector<int> sources{static_cast<int>(nearest)};
-  std::array<Eigen::Vector3d, 5> ends;
-  for (Eigen::Vector3d &end : ends) {
+  std::vector<Eigen::Vector3d> ends;
+  while (ends.size() < kLimbs + kMoreEnds) {
     Eigen::VectorXd ways = edge_distances(surface.vertices, neighbours, sources);
     ways = ways.array().isFinite().select(ways, -1); // another piece
     Eigen::Index farthest = 0;
     if (!(ways.maxCoeff(&farthest) > 0))
       throw Error("body marks: expected a surface in one piece with five ends (head, hands, feet), found fewer");
-    end = surface.vertices.row(farthest);
+    ends.emplace_back(surface.vertices.row(farthest));
     sources.push_back(static_cast<int>(farthest));
   }
   return ends;
@@ -88,18 +92,25 @@ double across(const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
   return std::hypot(a.x() - b.x(), a.z() - b.z());
 }
 
-/// The lowest two are the feet, of the others the head is most above them.
 struct Ends {
   Eigen::Vector3d head;
   std::array<Eigen::Vector3d, 2> hands, feet;
 };
 
+/// Of the first five the lowest two are the feet, and of the others the head is most above them. Of all that are left the two
+/// that are farthest apart are the hands: an arm that touches a wide sleeve or the trunk is a short way from the middle.
 Ends named_ends(const Mesh &surface) {
-  std::array<Eigen::Vector3d, 5> ends = ends_of(surface);
-  std::sort(ends.begin(), ends.end(), [](const auto &a, const auto &b) { return a.y() < b.y(); });
+  std::vector<Eigen::Vector3d> ends = ends_of(surface);
+  std::sort(ends.begin(), ends.begin() + kLimbs, [](const auto &a, const auto &b) { return a.y() < b.y(); });
   const Eigen::Vector3d between = (ends[0] + ends[1]) / 2;
-  std::sort(ends.begin() + 2, ends.end(), [&](const auto &a, const auto &b) { return across(a, between) < across(b, between); });
-  return {ends[2], {ends[3], ends[4]}, {ends[0], ends[1]}};
+  std::sort(ends.begin() + 2, ends.begin() + kLimbs,
+            [&](const auto &a, const auto &b) { return across(a, between) < across(b, between); });
+  Ends result{ends[2], {ends[3], ends[4]}, {ends[0], ends[1]}};
+  for (std::size_t a = 3; a < ends.size(); ++a)
+    for (std::size_t b = a + 1; b < ends.size(); ++b)
+      if (across(ends[a], ends[b]) > across(result.hands[0], result.hands[1]))
+        result.hands = {ends[a], ends[b]};
+  return result;
 }
 
 /// The marks if hands[left] is the left one; the foot on its side is the left foot.
@@ -154,9 +165,9 @@ std::vector<Joint> seen_joints(const Marks &seen) {
   throw Error("body marks: expected a person, upright (+Y) and in metres, with arms and legs apart; the body model " + what);
 }
 
-/// Everything is skin at first, then what does not stand off the body found so far.
-BodyFit fit_side(const RiggedMesh &actor, const BodyModel &model, const Marks &marks, const BodyFitter &fitter,
-                 const Context &context) {
+/// Everything is skin at first, then what does not stand off the body found so far. None if hardly anything is left then.
+std::optional<BodyFit> fit_side(const RiggedMesh &actor, const BodyModel &model, const Marks &marks, const BodyFitter &fitter,
+                                const Context &context) {
   const Vertices &surface = actor.mesh.vertices;
   Segmentation segmentation;
   segmentation.clothness = Eigen::VectorXd::Zero(surface.rows());
@@ -168,15 +179,28 @@ BodyFit fit_side(const RiggedMesh &actor, const BodyModel &model, const Marks &m
                  [&](int v) { segmentation.clothness[v] = body.closest(surface.row(v)).distance > kOffSkin; });
     constexpr double kMostHidden = 0.9; // share of the vertices
     if (segmentation.clothness.mean() > kMostHidden)
-      refuse_person("finds no surface near it");
+      return std::nullopt;
     fit = fitter.fit(actor, segmentation, model, marks, context);
   }
   return fit;
 }
 
-/// How unlikely a fit is: a body that looks the wrong way bends its limbs as nobody does, and stays farther off.
-double cost_of(const BodyFit &fit) {
-  return fit.residual * fit.coefficients.norm();
+/// m, mean over its vertices: how far a body stands out of the surface. Nobody does, dressed or not; a body that looks the wrong
+/// way has its feet, hands and belly where there is nothing.
+double beyond_surface(const Mesh &surface, const Mesh &body, const Context &context) {
+  const RayScene scene(surface);
+  const Vertices normals = vertex_normals(surface.vertices, surface.faces);
+  Eigen::VectorXd beyond = Eigen::VectorXd::Zero(body.vertices.rows());
+  parallel_for(context, static_cast<int>(body.vertices.rows()), [&](int v) {
+    const Eigen::Vector3d point = body.vertices.row(v);
+    const ClosestPoint at = scene.closest(point);
+    Eigen::Vector3d outward = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c)
+      outward += at.barycentric[c] * normals.row(surface.faces(at.face, c)).transpose();
+    if (outward.dot(point - at.point) > 0)
+      beyond[v] = at.distance;
+  });
+  return beyond.mean();
 }
 
 /// Joints of the model in the world: the fit's body tells how the model's space lies there.
@@ -220,19 +244,25 @@ DetectedJoints detect_joints(const Mesh &surface, const std::vector<std::uint8_t
   loose.joint_deviation = std::max(options.joint_deviation, kSeenDeviation);
   const auto fitter = BodyFitter::create(loose);
   DetectedJoints marks;
+  std::optional<BodyFit> fit;
   if (seen.empty()) {
     const Ends ends = named_ends(surface);
-    std::array<BodyFit, 2> fits;
-    for (int side = 0; side < 2; ++side)
+    std::array<std::optional<BodyFit>, 2> fits;
+    std::array<double, 2> beyond;
+    for (int side = 0; side < 2; ++side) {
       fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
-    const std::array<double, 2> costs{cost_of(fits[0]), cost_of(fits[1])};
-    const int better = costs[1] < costs[0];
-    marks.facing_ambiguity = costs[better] / costs[1 - better];
-    marks.fit = std::move(fits[better]);
+      beyond[side] = fits[side] ? beyond_surface(surface, fits[side]->body, context) : std::numeric_limits<double>::infinity();
+    }
+    const int better = beyond[1] < beyond[0];
+    marks.facing_ambiguity = fits[better] ? beyond[better] / std::max(beyond[1 - better], 1e-9) : 1;
+    fit = std::move(fits[better]);
   } else {
     actor.skeleton.joints = seen_joints(seen);
-    marks.fit = fit_side(actor, model, {}, *fitter, context);
+    fit = fit_side(actor, model, {}, *fitter, context);
   }
+  if (!fit)
+    refuse_person("finds no surface near it");
+  marks.fit = std::move(*fit);
   if (!(marks.fit.residual < kLargestResidual))
     refuse_person("stays " + options::to_text(1000 * marks.fit.residual, 3) + " mm from the surface on average");
   read_marks(model, marks);

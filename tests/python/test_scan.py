@@ -78,6 +78,19 @@ def test_joints_are_found_whichever_way_the_person_faces(model, yaw, seed):
     assert len(d.Skeleton(marks.joints).dof_names) == 36
 
 
+def test_a_wide_garment_does_not_turn_the_person_round(model):
+    """Front and back look the same in it: only feet and hands that stand out of the surface tell."""
+    person = Person(model, 5.2, 5)
+    vertices, joints = np.array(person.mesh.vertices), person.joints
+    bare = np.any([np.linalg.norm(vertices - joints[wrist], axis=1) < 0.22 for wrist in ("l_wrist", "r_wrist")], axis=0)
+    worn = (vertices[:, 1] > joints["l_knee"][1] + 0.1) & (vertices[:, 1] < joints["neck"][1] - 0.03) & ~bare
+    dressed = vertices + 0.08 * worn[:, None] * d.vertex_normals(vertices, person.mesh.faces) * [1, 0.2, 1]
+    options = d.BodyFitOptions(iterations=8, surface_deviation=0.05)
+    marks = d.detect_joints(d.Mesh(dressed, person.mesh.faces), [], model, options)
+    assert marks.facing_ambiguity < 0.3
+    assert max(person.errors_mm({mark.name: mark.position for mark in marks.joints}).values()) < 60
+
+
 def test_no_person_no_joints(model):
     ball = d.capsule_mesh([0, 0.5, 0], [0, 1.5, 0], 0.3, 0.3)
     with pytest.raises(d.Error, match="body marks: expected a person, upright"):

@@ -11,16 +11,17 @@ struct DetectedJoints {
   std::vector<JointAnnotation> joints;              ///< the standard 24 joints, 36 degrees of freedom; rest pose, world, m
   std::map<std::string, Eigen::Vector3d> landmarks; ///< the standard names that the model knows; on the body's surface, m
   BodyFit fit;                                      ///< the body that they were read from
-  /// How unlikely the fit is (its residual times the norm of its coefficients) over that of the fit that looks the other way:
-  /// near 1, front and back were hard to tell apart; 0 if joints were seen.
+  /// How far the body stands out of the surface over how far the one does that looks the other way: near 1, front and back were
+  /// hard to tell apart; 0 if joints were seen.
   double facing_ambiguity = 0;
 };
 
 /// surface: a person, +Y up, dressed or not; face_valid (F): 0 = invented, empty = all valid; seen: joints by the names of
 /// the model whose places are known, say from images, to about 3 cm (m), or none.
 /// Start with joints: they say where the body is. Without: the person stands with arms and legs apart, in one piece; the five
-/// points that are farthest along the surface from its middle and from each other are head, hands and feet, and both sides that
-/// the person may face are tried. Then the body is fitted as if all were skin, and twice again without the surface that stands
+/// points that are farthest along the surface from its middle and from each other are head, hands and feet (hands rather those
+/// of the next three that are farthest apart), and both sides that the person may face are tried: the body that stands less
+/// out of the surface is taken. Then the body is fitted as if all were skin, and twice again without the surface that stands
 /// off it. Throws Error if the five are not found, fewer than three joints are the model's, the model lacks a joint or landmark
 /// that is needed, or the body stays farther from the surface than a person's can; else as BodyFitter::fit.
 DetectedJoints detect_joints(const Mesh &surface, const Mask &face_valid, const BodyModel &model,
