@@ -11,8 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 namespace doublet {
 namespace {
@@ -97,20 +95,25 @@ struct Ends {
   std::array<Eigen::Vector3d, 2> hands, feet;
 };
 
-/// Of the first five the lowest two are the feet, and of the others the head is most above them. Of all that are left the two
-/// that are farthest apart are the hands: an arm that touches a wide sleeve or the trunk is a short way from the middle.
+/// Of the first five the lowest two are the feet. Of all others the two that are farthest apart are the hands: an arm that
+/// touches a wide sleeve or the trunk is a short way from the middle. The head is what is left highest above the feet.
 Ends named_ends(const Mesh &surface) {
   std::vector<Eigen::Vector3d> ends = ends_of(surface);
   std::sort(ends.begin(), ends.begin() + kLimbs, [](const auto &a, const auto &b) { return a.y() < b.y(); });
-  const Eigen::Vector3d between = (ends[0] + ends[1]) / 2;
-  std::sort(ends.begin() + 2, ends.begin() + kLimbs,
-            [&](const auto &a, const auto &b) { return across(a, between) < across(b, between); });
-  Ends result{ends[2], {ends[3], ends[4]}, {ends[0], ends[1]}};
-  for (std::size_t a = 3; a < ends.size(); ++a)
+  const std::array<Eigen::Vector3d, 2> feet{ends[0], ends[1]};
+  ends.erase(ends.begin(), ends.begin() + 2);
+  std::size_t left = 0, right = 1;
+  for (std::size_t a = 0; a < ends.size(); ++a)
     for (std::size_t b = a + 1; b < ends.size(); ++b)
-      if (across(ends[a], ends[b]) > across(result.hands[0], result.hands[1]))
-        result.hands = {ends[a], ends[b]};
-  return result;
+      if (across(ends[a], ends[b]) > across(ends[left], ends[right]))
+        left = a, right = b;
+  const std::array<Eigen::Vector3d, 2> hands{ends[left], ends[right]};
+  ends.erase(ends.begin() + static_cast<std::ptrdiff_t>(right)); // the later one
+  ends.erase(ends.begin() + static_cast<std::ptrdiff_t>(left));
+  const Eigen::Vector3d between = (feet[0] + feet[1]) / 2;
+  const auto above = [&](const Eigen::Vector3d &end) { return end.y() - across(end, between); };
+  return {*std::max_element(ends.begin(), ends.end(), [&](const auto &a, const auto &b) { return above(a) < above(b); }), hands,
+          feet};
 }
 
 /// The marks if hands[left] is the left one; the foot on its side is the left foot.
@@ -165,9 +168,9 @@ std::vector<Joint> seen_joints(const Marks &seen) {
   throw Error("body marks: expected a person, upright (+Y) and in metres, with arms and legs apart; the body model " + what);
 }
 
-/// Everything is skin at first, then what does not stand off the body found so far. None if hardly anything is left then.
-std::optional<BodyFit> fit_side(const RiggedMesh &actor, const BodyModel &model, const Marks &marks, const BodyFitter &fitter,
-                                const Context &context) {
+/// Everything is skin at first, then what does not stand off the body found so far.
+BodyFit fit_side(const RiggedMesh &actor, const BodyModel &model, const Marks &marks, const BodyFitter &fitter,
+                 const Context &context) {
   const Vertices &surface = actor.mesh.vertices;
   Segmentation segmentation;
   segmentation.clothness = Eigen::VectorXd::Zero(surface.rows());
@@ -177,9 +180,9 @@ std::optional<BodyFit> fit_side(const RiggedMesh &actor, const BodyModel &model,
     const RayScene body(fit.body);
     parallel_for(context, static_cast<int>(surface.rows()),
                  [&](int v) { segmentation.clothness[v] = body.closest(surface.row(v)).distance > kOffSkin; });
-    constexpr double kMostHidden = 0.9; // share of the vertices
+    constexpr double kMostHidden = 0.8; // share of the vertices
     if (segmentation.clothness.mean() > kMostHidden)
-      return std::nullopt;
+      refuse_person("finds no surface near it");
     fit = fitter.fit(actor, segmentation, model, marks, context);
   }
   return fit;
@@ -244,25 +247,21 @@ DetectedJoints detect_joints(const Mesh &surface, const std::vector<std::uint8_t
   loose.joint_deviation = std::max(options.joint_deviation, kSeenDeviation);
   const auto fitter = BodyFitter::create(loose);
   DetectedJoints marks;
-  std::optional<BodyFit> fit;
   if (seen.empty()) {
     const Ends ends = named_ends(surface);
-    std::array<std::optional<BodyFit>, 2> fits;
+    std::array<BodyFit, 2> fits;
     std::array<double, 2> beyond;
     for (int side = 0; side < 2; ++side) {
       fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
-      beyond[side] = fits[side] ? beyond_surface(surface, fits[side]->body, context) : std::numeric_limits<double>::infinity();
+      beyond[side] = beyond_surface(surface, fits[side].body, context);
     }
     const int better = beyond[1] < beyond[0];
-    marks.facing_ambiguity = fits[better] ? beyond[better] / std::max(beyond[1 - better], 1e-9) : 1;
-    fit = std::move(fits[better]);
+    marks.facing_ambiguity = beyond[better] / std::max(beyond[1 - better], 1e-9);
+    marks.fit = std::move(fits[better]);
   } else {
     actor.skeleton.joints = seen_joints(seen);
-    fit = fit_side(actor, model, {}, *fitter, context);
+    marks.fit = fit_side(actor, model, {}, *fitter, context);
   }
-  if (!fit)
-    refuse_person("finds no surface near it");
-  marks.fit = std::move(*fit);
   if (!(marks.fit.residual < kLargestResidual))
     refuse_person("stays " + options::to_text(1000 * marks.fit.residual, 3) + " mm from the surface on average");
   read_marks(model, marks);

@@ -91,6 +91,18 @@ def test_a_wide_garment_does_not_turn_the_person_round(model):
     assert max(person.errors_mm({mark.name: mark.position for mark in marks.joints}).values()) < 60
 
 
+def test_a_corner_of_a_garment_is_no_hand(model):
+    person = Person(model, 0.4, 1)
+    vertices, joints = np.array(person.mesh.vertices), person.joints
+    behind = -person.turn[:, 2]
+    seat = vertices[np.argmax(vertices @ behind - 10 * np.abs(vertices[:, 1] - joints["pelvis"][1]))]
+    near = np.exp(-np.sum((vertices - seat) ** 2, axis=1) / 0.05**2)
+    marks = d.detect_joints(
+        d.Mesh(vertices + 0.65 * near[:, None] * behind, person.mesh.faces), [], model, d.BodyFitOptions(iterations=8)
+    )
+    assert max(person.errors_mm({mark.name: mark.position for mark in marks.joints}).values()) < 30
+
+
 def test_no_person_no_joints(model):
     ball = d.capsule_mesh([0, 0.5, 0], [0, 1.5, 0], 0.3, 0.3)
     with pytest.raises(d.Error, match="body marks: expected a person, upright"):

@@ -18,12 +18,14 @@ struct DetectedJoints {
 
 /// surface: a person, +Y up, dressed or not; face_valid (F): 0 = invented, empty = all valid; seen: joints by the names of
 /// the model whose places are known, say from images, to about 3 cm (m), or none.
-/// Start with joints: they say where the body is. Without: the person stands with arms and legs apart, in one piece; the five
-/// points that are farthest along the surface from its middle and from each other are head, hands and feet (hands rather those
-/// of the next three that are farthest apart), and both sides that the person may face are tried: the body that stands less
-/// out of the surface is taken. Then the body is fitted as if all were skin, and twice again without the surface that stands
-/// off it. Throws Error if the five are not found, fewer than three joints are the model's, the model lacks a joint or landmark
-/// that is needed, or the body stays farther from the surface than a person's can; else as BodyFitter::fit.
+/// Start with joints: they say where the body is. Without: the person stands with arms and legs apart, in one piece. Of the five
+/// points that are farthest along the surface from its middle and from each other the lowest two are the feet; of the others and
+/// the next three the two farthest apart are the hands, and the highest of the rest is the head. Both sides that the person may
+/// face are tried; the body that stands less out of the surface is taken. Then the body is fitted as if all were skin, and twice
+/// again without the surface that stands off it. Throws Error if the five are not found, fewer than three joints are the model's,
+/// the model lacks a joint or landmark
+/// the model lacks a joint or landmark that is needed, or the body stays farther from the surface than a person's can; else as
+/// BodyFitter::fit.
 DetectedJoints detect_joints(const Mesh &surface, const Mask &face_valid, const BodyModel &model,
                              const BodyFitOptions &options = {}, const std::map<std::string, Eigen::Vector3d> &seen = {},
                              const Context &context = {});
