@@ -124,9 +124,8 @@ void bind_motion(py::module_ &m) {
             return read_motion_file(path, skeleton.value_or(std::filesystem::path()), animation);
           },
           py::arg("path"), py::arg("skeleton") = std::nullopt, py::arg("animation") = "", Release(),
-          ".bvh, .amc or .glb; skeleton: the .asf of an .amc; animation: of a .glb, by name or number from 1, '' = the first "
-          "that "
-          "moves the body")
+          ".bvh, .amc, .fbx or .glb; skeleton: the .asf of an .amc; animation: of a .glb or .fbx, by name or number from 1, "
+          "'' = the first that moves the body")
       .def(py::init(&source_motion), py::arg("joint_names"), py::arg("joint_parents"), py::arg("offsets"), py::arg("positions"),
            py::arg("rotations"), py::arg("fps"), py::arg("source") = "arrays", py::arg("up") = Eigen::Vector3d::Zero().eval(),
            "From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, "
@@ -134,7 +133,8 @@ void bind_motion(py::module_ &m) {
            "in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of "
            "length. up: the axis of the world that usually points up in such clips; 0 = any.")
       .def_readonly("source", &SourceMotion::source, "file name, for messages")
-      .def_readonly("animations", &SourceMotion::animations, "names of all that the file has, where it can have several (.glb)")
+      .def_readonly("animations", &SourceMotion::animations,
+                    "names of all that the file has, where it can have several (.glb, .fbx)")
       .def_readonly("animation", &SourceMotion::animation, "which of these this is, counted from 0")
       .def_readonly("fps", &SourceMotion::fps, "frames a second")
       .def_readonly("up", &SourceMotion::up, "axis of the world that points up, where the format has one; 0 = any")

@@ -63,7 +63,8 @@ def main(plain: Path, repaired: Path, folder: Path) -> None:
         licences.mkdir(parents=True)
         for package in sorted(packages):
             shutil.copy(Path("/usr/share/doc", package, "copyright"), licences / f"{package}.txt")
-        shutil.copy(ROOT / "third_party" / "PoissonRecon" / "LICENSE", licences / "PoissonRecon.txt")
+        for name in ("PoissonRecon", "ufbx"):
+            shutil.copy(ROOT / "third_party" / name / "LICENSE", licences / f"{name}.txt")
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         subprocess.run([sys.executable, "-m", "wheel", "pack", "-d", folder, tree], check=True, stdout=subprocess.DEVNULL)

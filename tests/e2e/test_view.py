@@ -257,9 +257,10 @@ def test_what_is_no_file_of_ours_gets_a_sentence(own_page):
     drop(own_page, "notes.txt", b"nothing")
     until(own_page, "document.getElementById('status').textContent !== ''")
     status = own_page.find_element(By.ID, "status")
-    assert status.text == "notes.txt: expected a .bvh, .glb, .vrm, .vrma, .png or .jpg" and "problem" in status.get_attribute(
-        "class"
-    )
+    assert status.text == "notes.txt: expected a .bvh, .fbx, .glb, .vrm, .vrma, .png or .jpg"
+    assert "problem" in status.get_attribute("class")
+    drop(own_page, "arm.fbx", (Path(__file__).parents[1] / "fuzz/corpus/fbx_motion/blender_binary").read_bytes())
+    until(own_page, "document.getElementById('status').textContent.startsWith('arm.fbx: expected a human skeleton')")
     drop(own_page, "broken.bvh", b"HIERARCHY\nROOT\n")
     until(own_page, "document.getElementById('status').textContent.startsWith('broken.bvh')")
     drop(own_page, "broken.vrma", b"HIERARCHY\nROOT\n")

@@ -628,7 +628,8 @@ spoilt_by(
     a_bone_that_hangs_on_nothing=text("person.asf", ("    lowerback thorax\n", "")),
     an_axis_order_that_is_none=text("person.asf", ("axis 0 0 0 XYZ", "axis 0 0 0 XXZ")),
 )
-spoilt_by("Motion", "animate c.glb walk.fbx -o new.npz", a_format_that_is_not_read=content("walk.fbx", "Kaydara"))
+spoilt_by("Motion", "animate c.glb walk.c3d -o new.npz", a_format_that_is_not_read=content("walk.c3d", "P"))
+spoilt_by("Motion", "animate c.glb walk.fbx -o new.npz", an_fbx_that_is_cut=content("walk.fbx", "Kaydara FBX Binary  "))
 
 spoilt_by(
     "Motion",

@@ -283,7 +283,7 @@ def test_the_animation_that_moves_the_body_is_played_or_the_one_that_is_named(tm
     ):
         d.SourceMotion.read(path, animation="5")
     (tmp_path / "clip.bvh").write_text(CLEAN)
-    with pytest.raises(d.Error, match="expected a .glb, which can have several animations"):
+    with pytest.raises(d.Error, match="expected a .glb or .fbx, which can have several animations"):
         read_clip(tmp_path / "clip.bvh", "Walk")
 
 

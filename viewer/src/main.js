@@ -228,10 +228,10 @@ async function takeFile(fileName, bytes) {
     await state.actors[state.chosen].figure.setTexture(bytes);
   } else if (isCharacter(bytes)) {
     await takeCharacter(fileName, bytes);
-  } else if (/\.(bvh|glb|vrm|vrma)$/i.test(fileName)) {
+  } else if (/\.(bvh|fbx|glb|vrm|vrma)$/i.test(fileName)) {
     await takeClip(fileName, bytes);
   } else {
-    throw new Error(`${fileName}: expected a .bvh, .glb, .vrm, .vrma, .png or .jpg`);
+    throw new Error(`${fileName}: expected a .bvh, .fbx, .glb, .vrm, .vrma, .png or .jpg`);
   }
 }
 

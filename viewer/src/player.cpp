@@ -144,7 +144,7 @@ EMSCRIPTEN_KEEPALIVE int player_cloth_vertex_count() {
   return count;
 }
 
-/// A .bvh or .glb, retargeted to the character at its own rate.
+/// A .bvh, .fbx or .glb, retargeted to the character at its own rate.
 EMSCRIPTEN_KEEPALIVE int clip_open(const char *path) {
   return attempt([&] {
     const Character &character = view->player.character();

@@ -43,7 +43,7 @@ export class Simulation {
     FS.unlink(`/${name}`);
     this.attempt(done);
   }
-  /** @returns {Float64Array[]} the poses of a clip, .bvh or .glb, retargeted to the character at its own rate */
+  /** @returns {Float64Array[]} the poses of a clip, .bvh, .fbx or .glb, retargeted to the character at its own rate */
   retarget(name, bytes) {
     const m = this.module;
     this.withFile(name, bytes, m._clip_open);

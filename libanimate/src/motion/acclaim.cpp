@@ -330,14 +330,16 @@ SourceMotion read_motion_file(const std::filesystem::path &path, const std::file
                               const std::string &animation) {
   const std::string extension = lower(path.extension().string());
   const bool gltf = extension == ".glb" || extension == ".vrm" || extension == ".vrma";
-  if (!animation.empty() && !gltf)
-    throw Error(path.string() + ": expected a .glb, which can have several animations, to choose '" + animation + "' of");
+  if (!animation.empty() && !gltf && extension != ".fbx")
+    throw Error(path.string() + ": expected a .glb or .fbx, which can have several animations, to choose '" + animation + "' of");
   if (extension == ".bvh")
     return parse_bvh(read_text(path), path.string());
   if (gltf)
     return read_gltf_motion(path, animation);
+  if (extension == ".fbx")
+    return read_fbx_motion(path, animation);
   if (extension != ".amc")
-    throw Error(path.string() + ": expected a motion file .bvh, .amc or .glb, found '" + extension + "'");
+    throw Error(path.string() + ": expected a motion file .bvh, .amc, .glb or .fbx, found '" + extension + "'");
   const std::string amc = read_text(path);
   const std::filesystem::path asf = skeleton.empty() ? skeleton_beside(path) : skeleton;
   return parse_acclaim(read_text(asf), amc, asf.string(), path.string());

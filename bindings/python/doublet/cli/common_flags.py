@@ -9,8 +9,8 @@ from ..common.console import Console
 
 DOUBTFUL = 3  #: exit status of a run that ended, but with doubts
 MOTION_HELP = (
-    ".bvh, .amc with its .asf beside it, a clip in .glb, .vrm or .vrma, poses of SMPL, SMPL-H or SMPL-X (AMASS) in .npz, or "
-    "a performance.npz"
+    ".bvh, .amc with its .asf beside it, a clip in .fbx, .glb, .vrm or .vrma, poses of SMPL, SMPL-H or SMPL-X (AMASS) in "
+    ".npz, or a performance.npz"
 )
 
 

@@ -61,9 +61,9 @@ def read_motion(
     bone_map: Path | None = None,
     animation: str = "",
 ) -> d.Motion:
-    """A clip (.bvh, .amc, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same
-    skeleton, as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of `doublet.bone_map`;
-    what `retargeting.joint_names` says beats it. `animation`: of a .glb, by name or number from 1."""
+    """A clip (.bvh, .amc, .fbx, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the
+    same skeleton, as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of
+    `doublet.bone_map`; what `retargeting.joint_names` says beats it. `animation`: of a .glb or .fbx, by name or number from 1."""
     path, context = Path(path), context or d.Context()
     dofs = own_poses(path)
     if dofs is None:
@@ -102,15 +102,16 @@ def own_poses(path: Path) -> np.ndarray | None:
 
 
 def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
-    """A clip on its own bones: .bvh, .amc, .glb, poses of the SMPL family in .npz. `animation`: of a .glb, by name or number."""
+    """A clip on its own bones: .bvh, .amc, .fbx, .glb, poses of the SMPL family in .npz. `animation`: of a .glb or .fbx, by name
+    or number."""
     path = Path(path)
     if path.suffix in PICKLED:
-        expected = "a clip (.bvh, .amc, .glb), or arrays 'poses', 'trans' and 'mocap_framerate' of the SMPL family in an .npz"
+        expected = "a clip in .bvh, .amc, .fbx or .glb, or 'poses', 'trans' and 'mocap_framerate' of the SMPL family in an .npz"
         raise ValueError(f"{path}: expected {expected}, found '{path.suffix}'; numpy.savez writes them")
     if path.suffix != ".npz":
         return d.SourceMotion.read(path, animation=animation)
     if animation:
-        raise ValueError(f"{path}: expected a .glb, which can have several animations, to choose '{animation}' of")
+        raise ValueError(f"{path}: expected a .glb or .fbx, which can have several animations, to choose '{animation}' of")
     return read_smpl_motion(path)
 
 

@@ -55,9 +55,14 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
 /// broken, refers to other files, has no such animation, more than 10,000 joints, or more than 2e7 poses of nodes; FileNotFound.
 SourceMotion read_gltf_motion(const std::filesystem::path &path, const std::string &animation = {});
 
-/// By extension, .bvh, .amc or .glb, which .vrm and .vrma are, too. The skeleton of an .amc: `skeleton` if given, else the .asf
-/// beside it with the same stem or with the longest stem that its own begins with. `animation` as above, of a .glb alone. Throws
-/// FileNotFound, or Error naming the file.
+/// An animation of an FBX file (a take), as of a .glb; on the joints of its skins, or without a skin on what it says are bones.
+/// Metres and +Y up, whatever the file's. Sampled at the file's rate, within 24 to 240 1/s. Throws as read_gltf_motion, and Error
+/// for a file that takes more than 2 GB of memory.
+SourceMotion read_fbx_motion(const std::filesystem::path &path, const std::string &animation = {});
+
+/// By extension, .bvh, .amc, .fbx or .glb, which .vrm and .vrma are, too. The skeleton of an .amc: `skeleton` if given, else the
+/// .asf beside it with the same stem or with the longest stem that its own begins with. `animation` as above, of a .glb or .fbx
+/// alone. Throws FileNotFound, or Error naming the file.
 SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {},
                               const std::string &animation = {});
 
