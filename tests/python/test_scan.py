@@ -364,6 +364,19 @@ def tracked(session: d.Session, out, outwards: float) -> None:
 
 
 @pytest.mark.slow
+def test_a_scan_that_was_deleted_is_made_anew_and_another_that_is_lost_is_said(session_with_scan):
+    (session_with_scan / "scan.ply").unlink()
+    with pytest.raises(FileNotFoundError, match="the scan that"):
+        d.Session(session_with_scan)
+    assert "scan" not in make_scan.read_description(session_with_scan)  # and so "wanted"
+    assert not d.Session(session_with_scan).scan.name and d.Session(session_with_scan).markers.name == "joints.json"
+    description = json.loads((session_with_scan / "session.json").read_text(encoding="utf-8"))
+    description["scan"] = "laser.ply"
+    (session_with_scan / "session.json").write_text(json.dumps(description), encoding="utf-8")
+    with pytest.raises(FileNotFoundError, match="laser.ply"):
+        make_scan.read_description(session_with_scan)
+
+
 def test_a_scan_is_refined_by_what_was_tracked(session_with_scan, tmp_path):
     folder, out = session_with_scan, tmp_path / "out"
     first = d.read_mesh(folder / "scan.ply")

@@ -251,8 +251,22 @@ def views_at(job: Job, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
 
 
 def read_description(folder: Path) -> dict:
-    d.Session(folder)  # says what is wrong with it
-    return read_json(folder / "session.json")
+    """session.json. A scan or joints of this command's that were deleted are as if it did not name them."""
+    path = folder / "session.json"
+    try:
+        d.Session(folder)  # says what is wrong with it
+    except FileNotFoundError:
+        description = read_json(path) if path.is_file() else {}
+        deleted = [key for key, name in (("scan", SCAN), ("markers", MARKS)) if is_deleted(description, key, folder / name)]
+        if not deleted:
+            raise
+        write_json(path, {key: value for key, value in description.items() if key not in deleted})
+        d.Session(folder)
+    return read_json(path)
+
+
+def is_deleted(description: dict, key: str, made: Path) -> bool:
+    return description.get(key) == made.name and not made.exists()
 
 
 def require_free(path: Path, force: bool) -> Path:
