@@ -18,8 +18,9 @@
 namespace doublet {
 namespace {
 
-constexpr double kSlowest = 24, kFastest = 240;           // 1/s at which a clip is sampled, whatever the file says
-constexpr std::size_t kMostMemory = std::size_t(2) << 30; // bytes to which a packed file may grow
+constexpr double kSlowest = 24, kFastest = 240; // 1/s at which a clip is sampled, whatever the file says
+// Bytes to which a packed file may grow: arrays say how long they are before anything of them is read.
+constexpr std::size_t kLeastMemory = std::size_t(64) << 20, kMostMemory = std::size_t(2) << 30, kMostUnpacked = 200;
 constexpr double kUnchanged = 1e-6;
 
 Eigen::Vector3d vector_of(const ufbx_vec3 &v) {
@@ -197,7 +198,8 @@ NodeClip clip_of(const ufbx_scene &scene, const std::string &source) {
 SourceMotion read_fbx_motion(const std::filesystem::path &path, const std::string &animation) {
   const std::string content = read_text(path);
   ufbx_load_opts options{};
-  options.temp_allocator.memory_limit = options.result_allocator.memory_limit = kMostMemory;
+  const std::size_t memory = std::min(kMostMemory, kLeastMemory + kMostUnpacked * content.size());
+  options.temp_allocator.memory_limit = options.result_allocator.memory_limit = memory;
   options.ignore_geometry = true;
   options.file_format = UFBX_FILE_FORMAT_FBX;
   options.target_axes = ufbx_axes_right_handed_y_up;

@@ -57,7 +57,7 @@ SourceMotion read_gltf_motion(const std::filesystem::path &path, const std::stri
 
 /// An animation of an FBX file (a take), as of a .glb; on the joints of its skins, or without a skin on what it says are bones.
 /// Metres and +Y up, whatever the file's. Sampled at the file's rate, within 24 to 240 1/s. Throws as read_gltf_motion, and Error
-/// for a file that takes more than 2 GB of memory.
+/// for a file that takes more memory than 64 MB and 200 times its size, or than 2 GB.
 SourceMotion read_fbx_motion(const std::filesystem::path &path, const std::string &animation = {});
 
 /// By extension, .bvh, .amc, .fbx or .glb, which .vrm and .vrma are, too. The skeleton of an .amc: `skeleton` if given, else the
