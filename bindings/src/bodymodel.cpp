@@ -113,7 +113,8 @@ void bind_marks(py::module_ &m) {
       .def_readonly("landmarks", &DetectedJoints::landmarks, "name -> point on the body, m")
       .def_readonly("fit", &DetectedJoints::fit, "the body that they were read from")
       .def_readonly("facing_ambiguity", &DetectedJoints::facing_ambiguity,
-                    "how unlikely it is over the fit that looks the other way: near 1 = hard to tell");
+                    "how far it and the surface are from each other, over the same of the fit that looks the other way: near 1 = "
+                    "hard to tell");
   m.def("detect_joints", &detect_joints, py::arg("surface"), py::arg("face_valid"), py::arg("model"),
         py::arg("options") = BodyFitOptions{}, py::arg("seen") = std::map<std::string, Eigen::Vector3d>{},
         py::arg("context") = interruptible_context(), Release(),

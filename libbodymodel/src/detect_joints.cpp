@@ -206,6 +206,16 @@ double beyond_surface(const Mesh &surface, const Mesh &body, const Context &cont
   return beyond.mean();
 }
 
+/// m, how badly a body explains a surface: how far it stands out of it and how far the surface is from it, means over the
+/// vertices. Either alone deceives: a body that looks the wrong way may hide in the surface with its limbs drawn in, or leave a
+/// wide garment no farther off.
+double mismatch(const Mesh &surface, const Mesh &body, const Context &context) {
+  const RayScene scene(body);
+  Eigen::VectorXd off(surface.vertices.rows());
+  parallel_for(context, static_cast<int>(off.size()), [&](int v) { off[v] = scene.closest(surface.vertices.row(v)).distance; });
+  return beyond_surface(surface, body, context) + off.mean();
+}
+
 /// Joints of the model in the world: the fit's body tells how the model's space lies there.
 std::map<std::string, Eigen::Vector3d> world_joints(const BodyModel &model, const BodyFit &fit) {
   const Eigen::Matrix4d world =
@@ -250,13 +260,13 @@ DetectedJoints detect_joints(const Mesh &surface, const std::vector<std::uint8_t
   if (seen.empty()) {
     const Ends ends = named_ends(surface);
     std::array<BodyFit, 2> fits;
-    std::array<double, 2> beyond;
+    std::array<double, 2> mismatches;
     for (int side = 0; side < 2; ++side) {
       fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
-      beyond[side] = beyond_surface(surface, fits[side].body, context);
+      mismatches[side] = mismatch(surface, fits[side].body, context);
     }
-    const int better = beyond[1] < beyond[0];
-    marks.facing_ambiguity = beyond[better] / std::max(beyond[1 - better], 1e-9);
+    const int better = mismatches[1] < mismatches[0];
+    marks.facing_ambiguity = mismatches[better] / std::max(mismatches[1 - better], 1e-9);
     marks.fit = std::move(fits[better]);
   } else {
     actor.skeleton.joints = seen_joints(seen);

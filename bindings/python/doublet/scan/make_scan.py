@@ -30,7 +30,7 @@ FOUND = "found by doublet scan"
 #: m; of the valid template from the scan on average, above which it was made from another.
 OF_ANOTHER_SCAN = 0.01
 #: Above this ratio it is hard to tell which way the person faces.
-LIKELY_RIVAL = 0.7
+LIKELY_RIVAL = 0.8
 #: m; a joint farther from where keypoints see it is put there.
 FAR_FROM_KEYPOINT = 0.06
 #: m; of a surface that cameras have made around skin: hulls have corners. A scanner's is what the body model's options say.

@@ -11,7 +11,7 @@ struct DetectedJoints {
   std::vector<JointAnnotation> joints;              ///< the standard 24 joints, 36 degrees of freedom; rest pose, world, m
   std::map<std::string, Eigen::Vector3d> landmarks; ///< the standard names that the model knows; on the body's surface, m
   BodyFit fit;                                      ///< the body that they were read from
-  /// How far the body stands out of the surface over how far the one does that looks the other way: near 1, front and back were
+  /// How far body and surface are from each other over how far the body is that looks the other way: near 1, front and back were
   /// hard to tell apart; 0 if joints were seen.
   double facing_ambiguity = 0;
 };
@@ -21,11 +21,10 @@ struct DetectedJoints {
 /// Start with joints: they say where the body is. Without: the person stands with arms and legs apart, in one piece. Of the five
 /// points that are farthest along the surface from its middle and from each other the lowest two are the feet; of the others and
 /// the next three the two farthest apart are the hands, and the highest of the rest is the head. Both sides that the person may
-/// face are tried; the body that stands less out of the surface is taken. Then the body is fitted as if all were skin, and twice
-/// again without the surface that stands off it. Throws Error if the five are not found, fewer than three joints are the model's,
-/// the model lacks a joint or landmark
-/// the model lacks a joint or landmark that is needed, or the body stays farther from the surface than a person's can; else as
-/// BodyFitter::fit.
+/// face are tried: the body is fitted as if all were skin, and twice again without the surface that stands off it. The one is
+/// taken that stands less out of the surface and is less far from it (sum of both means). Throws Error if the five are not
+/// found, fewer than three joints are the model's, the model lacks a joint or landmark that is needed, or the body stays farther
+/// from the surface than a person's can; else as BodyFitter::fit.
 DetectedJoints detect_joints(const Mesh &surface, const Mask &face_valid, const BodyModel &model,
                              const BodyFitOptions &options = {}, const std::map<std::string, Eigen::Vector3d> &seen = {},
                              const Context &context = {});
