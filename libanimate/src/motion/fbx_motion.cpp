@@ -63,7 +63,10 @@ BindPose written_pose(const ufbx_scene &scene) {
 }
 
 /// One a deformer, with the pose that it was bound in; of a file without, what it calls bones.
-std::vector<NodeSkin> skins_of(const ufbx_scene &scene) {
+std::vector<NodeSkin> skins_of(const ufbx_scene &scene, const std::string &source) {
+  if (scene.skin_deformers.count > kMostSkins)
+    throw Error(source + ": expected at most " + std::to_string(kMostSkins) + " skins, found " +
+                std::to_string(scene.skin_deformers.count));
   std::vector<NodeSkin> skins;
   for (const ufbx_skin_deformer *deformer : scene.skin_deformers) {
     NodeSkin skin;
@@ -72,7 +75,7 @@ std::vector<NodeSkin> skins_of(const ufbx_scene &scene) {
         skin.joints.push_back(static_cast<int>(cluster->bone_node->typed_id));
         skin.inverse_bind[skin.joints.back()] = affine_of(cluster->geometry_to_bone);
       }
-    if (!skin.joints.empty() && skins.size() < kMostSkins)
+    if (!skin.joints.empty())
       skins.push_back(std::move(skin));
   }
   if (!skins.empty())
@@ -183,7 +186,7 @@ NodeClip clip_of(const ufbx_scene &scene, const std::string &source) {
   for (const ufbx_anim_stack *stack : scene.anim_stacks)
     frames += span_of(*stack).frames(fps);
   require_poses(frames, scene.nodes.count, source);
-  NodeClip clip{source, {}, skins_of(scene), {}};
+  NodeClip clip{source, {}, skins_of(scene, source), {}};
   for (const ufbx_node *node : scene.nodes)
     clip.nodes.push_back(node_of(*node));
   for (const ufbx_anim_stack *stack : scene.anim_stacks)
