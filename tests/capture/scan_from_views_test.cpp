@@ -213,6 +213,26 @@ TEST(ScanFromViews, AGarmentSpansTheGapBetweenTheLegs) {
   EXPECT_FALSE(scan.cast({0, 0.3, 2}, {0, 0, -1}, 0, 4).has_value()) << "below the hem one sees through between the legs";
 }
 
+/// What hangs from the left forearm as a wide sleeve does, without thickness.
+Mesh hanging_sheet() {
+  Mesh sheet{Vertices(4, 3), Faces(2, 3)};
+  sheet.vertices << 0.30, 1.18, -0.02, 0.48, 1.0, 0.04, 0.44, 0.78, 0.04, 0.32, 0.78, 0;
+  sheet.faces << 0, 1, 2, 0, 2, 3;
+  return sheet;
+}
+
+TEST(ScanFromViews, ASheetFarFromTheBodyStays) {
+  const Mesh body = figure_surface(), dressed = join({body, hanging_sheet()});
+  const CameraRig rig = camera_ring(4, 320);
+  const RayScene scan(scan_from_views(rig, views_of(dressed, rig), body, hull_only()));
+  for (const Eigen::Vector3d &at :
+       {Eigen::Vector3d(0.36, 1.02, 0.01), {0.41, 0.95, 0.03}, {0.35, 0.85, 0.01}, {0.42, 0.82, 0.03}}) {
+    const auto hit = scan.cast(at + Eigen::Vector3d(0, 0, 2), {0, 0, -1}, 1.9, 2.1);
+    EXPECT_TRUE(hit.has_value()) << at.transpose();
+  }
+  EXPECT_FALSE(scan.cast({-0.37, 0.9, 2}, {0, 0, -1}).has_value()) << "nothing hangs from the other arm";
+}
+
 TEST(ScanFromViews, SameBitsOnAnyNumberOfThreads) {
   const Mesh drum = dented_drum();
   const CameraRig rig = camera_ring(6, 120);

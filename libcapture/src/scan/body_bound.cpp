@@ -179,13 +179,33 @@ void BodyBound::learn(const std::vector<Contact> &contacts) {
   clearance_ = solve_symmetric(entries, sum, "scan: clearance of the clothes");
 }
 
-double BodyBound::inside(const Eigen::Vector3d &point) const {
+double BodyBound::inside_clearance(const Eigen::Vector3d &point) const {
   constexpr double kClose = 0.015, kSlack = 0.25; // m; of what lies beyond: a garment is wider here and narrower there
   const Look at = look(point);
   const double clearance = at.in_gap ? (1 - at.side.share) * clearance_at(scene_.closest(at.side.from)) +
                                            at.side.share * clearance_at(scene_.closest(at.side.to))
                                      : clearance_at(at.on_body);
   return clearance + kSlack * std::max(0.0, clearance - kClose) - at.distance;
+}
+
+void BodyBound::reach(const std::vector<Contact> &contacts, double radius) {
+  if (contacts.empty())
+    return;
+  constexpr double kWidth = 1e-3; // m; a line is a triangle as thin as this
+  Mesh lines{Vertices(3 * contacts.size(), 3), Faces(contacts.size(), 3)};
+  for (Eigen::Index i = 0; i < lines.faces.rows(); ++i) {
+    const Eigen::Vector3d &end = contacts[static_cast<std::size_t>(i)].point, start = scene_.closest(end).point;
+    const Eigen::Vector3d aside = kWidth / 2 * (end - start).unitOrthogonal();
+    lines.vertices.middleRows<3>(3 * i) << start.transpose(), (end + aside).transpose(), (end - aside).transpose();
+    lines.faces.row(i) << static_cast<int>(3 * i), static_cast<int>(3 * i + 1), static_cast<int>(3 * i + 2);
+  }
+  lines_.emplace(lines);
+  radius_ = radius;
+}
+
+double BodyBound::inside(const Eigen::Vector3d &point) const {
+  const double inside = inside_clearance(point);
+  return lines_ && inside < radius_ ? std::max(inside, radius_ - lines_->closest(point).distance) : inside;
 }
 
 } // namespace doublet::detail

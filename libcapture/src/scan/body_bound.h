@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 namespace doublet::detail {
@@ -42,7 +43,8 @@ private:
   double lowest_ = 0;
 };
 
-/// The body and what lies on it: skin lies on it everywhere, a garment as far off as contacts nearby do.
+/// The body and what lies on it: skin lies on it everywhere, a garment as far off as contacts nearby do, or, where it hangs down
+/// as a sheet (a wide sleeve), along lines from the body.
 class BodyBound {
 public:
   /// `filled`: is a point one that the silhouettes leave?
@@ -51,6 +53,8 @@ public:
   double distance(const Eigen::Vector3d &point) const { return look(point).distance; }
   /// Spreads the clearances of `contacts` over the body, as heat from them: all that clearance() knows.
   void learn(const std::vector<Contact> &contacts);
+  /// From now on it reaches as far as these, by a tube of `radius` (m) from the body to each.
+  void reach(const std::vector<Contact> &contacts, double radius);
   /// m, about: how far inside the bound a point is.
   double inside(const Eigen::Vector3d &point) const;
 
@@ -63,12 +67,15 @@ private:
   };
   Look look(const Eigen::Vector3d &point) const;
   double clearance_at(const ClosestPoint &on_body) const;
+  double inside_clearance(const Eigen::Vector3d &point) const;
 
   Mesh body_;
   RayScene scene_;
   LegGap gap_;
   Vertices normals_;
-  Eigen::VectorXd clearance_; // (V) m
+  Eigen::VectorXd clearance_;     // (V) m
+  std::optional<RayScene> lines_; // the tubes' middles
+  double radius_ = 0;             // m
 };
 
 } // namespace doublet::detail

@@ -130,43 +130,76 @@ Cube cube_around(const std::vector<Silhouette> &silhouettes) {
   return {centre.array() - half, 2 * half};
 }
 
-/// Where the lines of sight along an outline touch the actor: of the places on each where the hull ends, the one that is nearest
-/// to the body.
-std::vector<Contact> contacts_of(const Hull &hull, const Silhouette &silhouette, const Cube &cube, const BodyBound &body,
-                                 double cell) {
-  constexpr float kOn = 0.71F;      // px from the outline
+/// Of the places on a pixel's line of sight where the hull ends by no more than `slack` (m), the one that is nearest to the body.
+std::optional<Contact> contact_at(const Hull &hull, const Silhouette &silhouette, cv::Point pixel, const Cube &cube,
+                                  const BodyBound &body, double cell, double slack) {
   constexpr double kFarthest = 0.5; // m, from the body
   const Eigen::Vector3d from = silhouette.camera->centre(), middle = cube.corner.array() + cube.side / 2;
+  const Eigen::Vector3d direction = silhouette.camera->ray_direction(Eigen::Vector2d(pixel.x, pixel.y));
   const double first = std::max(0.0, (middle - from).norm() - cube.side), last = (middle - from).norm() + cube.side;
+  Contact best{from, kFarthest};
+  for (double s = first, clearance = 0; s < last; s += std::max(cell, clearance - best.clearance)) { // nothing nearer between
+    const Eigen::Vector3d point = from + s * direction;
+    clearance = body.distance(point);
+    if (clearance < best.clearance && hull(point) > -slack)
+      best = {point, clearance};
+  }
+  return best.clearance < kFarthest ? std::optional(best) : std::nullopt;
+}
+
+/// Where the lines of sight along an outline touch the actor.
+std::vector<Contact> contacts_of(const Hull &hull, const Silhouette &silhouette, const Cube &cube, const BodyBound &body,
+                                 double cell) {
+  constexpr float kOn = 0.71F; // px from the outline
   std::vector<Contact> contacts;
   for (int y = silhouette.box.y; y < silhouette.box.br().y; ++y)
-    for (int x = silhouette.box.x; x < silhouette.box.br().x; ++x) {
-      if (silhouette.distance.at<float>(y, x) < 0 || silhouette.distance.at<float>(y, x) > kOn)
-        continue;
-      const Eigen::Vector3d direction = silhouette.camera->ray_direction(Eigen::Vector2d(x, y));
-      Contact best{from, kFarthest};
-      for (double s = first, clearance = 0; s < last; s += std::max(cell, clearance - best.clearance)) { // nothing nearer between
-        const Eigen::Vector3d point = from + s * direction;
-        clearance = body.distance(point);
-        if (clearance < best.clearance && hull(point) > -1.5 * cell)
-          best = {point, clearance};
-      }
-      if (best.clearance < kFarthest)
-        contacts.push_back(best);
-    }
+    for (int x = silhouette.box.x; x < silhouette.box.br().x; ++x)
+      if (const float off = silhouette.distance.at<float>(y, x); off >= 0 && off <= kOn)
+        if (const auto contact = contact_at(hull, silhouette, {x, y}, cube, body, cell, 1.5 * cell))
+          contacts.push_back(*contact);
   return contacts;
 }
 
-/// All cameras' outlines tell the bound how far from the body they are.
-void learn_clearances(BodyBound &body, const Hull &hull, const Cube &cube, double cell, const Context &context) {
-  const std::vector<Silhouette> &silhouettes = hull.silhouettes();
+/// Where the parts of a silhouette are, as near to the body as the hull allows, in which none of `points` shows, which lie about
+/// a cell apart. Narrow parts do not count: an outline is off by that much.
+std::vector<Contact> missed_by(const Vertices &points, const Hull &hull, const Silhouette &silhouette, const Cube &cube,
+                               const BodyBound &body, double cell) {
+  constexpr double kNarrow = 0.03; // m
+  const Camera &camera = *silhouette.camera;
+  const double pixel = camera.depth(cube.corner.array() + cube.side / 2) / silhouette.focal; // m
+  const int step = std::max(1, static_cast<int>(std::lround(cell / pixel)));
+  const auto place = [&](int x, int y) -> cv::Point { return silhouette.box.tl() + step * cv::Point(x, y); };
+  cv::Mat missed(silhouette.box.height / step + 1, silhouette.box.width / step + 1, CV_8UC1, cv::Scalar(0));
+  for (int y = 0; y < missed.rows; ++y)
+    for (int x = 0; x < missed.cols; ++x)
+      if (silhouette.box.contains(place(x, y)) && silhouette.distance.at<float>(place(x, y)) > 0)
+        missed.at<std::uint8_t>(y, x) = 255;
+  for (const auto &point : points.rowwise()) {
+    if (!(camera.depth(point) > 0))
+      continue;
+    const Eigen::Vector2d at = camera.project(point);
+    cv::circle(missed, (cv::Point2d(at.x(), at.y()) - cv::Point2d(silhouette.box.tl())) / step, 1, 0, cv::FILLED);
+  }
+  const int wide = static_cast<int>(std::ceil(kNarrow / (step * pixel)));
+  cv::morphologyEx(missed, missed, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {wide, wide}));
+  std::vector<cv::Point> pixels;
+  cv::findNonZero(missed, pixels);
+  std::vector<Contact> contacts;
+  for (const cv::Point &at : pixels)
+    if (const auto contact = contact_at(hull, silhouette, place(at.x, at.y), cube, body, cell, 0))
+      contacts.push_back(*contact);
+  return contacts;
+}
+
+std::vector<Contact> of_all_cameras(const std::vector<Silhouette> &silhouettes,
+                                    const std::function<std::vector<Contact>(const Silhouette &)> &contacts_of,
+                                    const Context &context) {
   std::vector<std::vector<Contact>> of_camera(silhouettes.size());
-  parallel_for(context, static_cast<int>(silhouettes.size()),
-               [&](int c) { of_camera[c] = contacts_of(hull, silhouettes[c], cube, body, cell); });
+  parallel_for(context, static_cast<int>(silhouettes.size()), [&](int c) { of_camera[c] = contacts_of(silhouettes[c]); });
   std::vector<Contact> all;
   for (const std::vector<Contact> &contacts : of_camera)
     all.insert(all.end(), contacts.begin(), contacts.end());
-  body.learn(all);
+  return all;
 }
 
 /// Sums up one block's samples.
@@ -235,6 +268,22 @@ OrientedPoints sample(const Hull &hull, const Cube &cube, double cell, const Con
   return result;
 }
 
+/// Of the hull, what lies no farther from a body than the silhouettes say: their outlines tell how far off cloth is on average,
+/// and where something shows that is farther yet, they tell that.
+OrientedPoints sample_around(const Mesh &body, const Hull &hull, const Cube &cube, double cell, const Context &context) {
+  const auto of_all = [&](const auto &contacts) { return of_all_cameras(hull.silhouettes(), contacts, context); };
+  BodyBound bound(body, [&](const Eigen::Vector3d &point) { return hull(point) > 0; });
+  bound.learn(of_all([&](const Silhouette &s) { return contacts_of(hull, s, cube, bound, cell); }));
+  Hull bounded = hull;
+  bounded.bound_by(bound);
+  OrientedPoints points = sample(bounded, cube, cell, context);
+  const auto missed = of_all([&](const Silhouette &s) { return missed_by(points.points, hull, s, cube, bound, cell); });
+  if (missed.empty())
+    return points;
+  bound.reach(missed, 1.5 * cell); // the grid must see it
+  return sample(bounded, cube, cell, context);
+}
+
 constexpr int kFewestPoints = 1000;
 
 /// Which camera is to blame: the one without which the hull is largest, if it is by far.
@@ -276,14 +325,9 @@ OrientedPoints visual_hull(const CameraRig &rig, const std::vector<CameraView> &
     throw Error("scan: expected the actor in at least 3 cameras, found " + std::to_string(silhouettes.size()) + " of " +
                 std::to_string(rig.size()) + " with a silhouette");
   const Cube cube = cube_around(silhouettes);
-  Hull hull(silhouettes, options.max_missing_views);
-  std::optional<BodyBound> bound;
-  if (body) {
-    bound.emplace(*body, [&](const Eigen::Vector3d &point) { return hull(point) > 0; });
-    learn_clearances(*bound, hull, cube, options.cell, context);
-    hull.bound_by(*bound);
-  }
-  OrientedPoints points = sample(hull, cube, options.cell, context);
+  const Hull hull(silhouettes, options.max_missing_views);
+  OrientedPoints points =
+      body ? sample_around(*body, hull, cube, options.cell, context) : sample(hull, cube, options.cell, context);
   if (points.points.rows() < kFewestPoints)
     throw Error("scan: the silhouettes have no point in common" + blame(silhouettes, options, context));
   return points;
