@@ -415,6 +415,35 @@ def test_frames_without_key_points_are_left_out(tmp_path, form):
         CameraKeypoints(path).of(6)
 
 
+def test_a_list_of_people_names_the_image_of_each(tmp_path):
+    """AlphaPose; in frame 1 there are two, in frame 2 nobody."""
+    told = [(11, 11, 0.9), (1, 3, 0.1), (1, 1, 0.9), (0, 0, 0.9), (10, 10, 0.9), (3, 3, 0.9)]
+    people = [{"image_id": f"{n}.jpg", "category_id": 1, "keypoints": [x, 1.0, c] * 17, "score": c} for n, x, c in told]
+    (tmp_path / "cam0.json").write_text(json.dumps(people))
+    (tmp_path / "cam1.json").write_text(json.dumps([p for p in people if p["image_id"] != "0.jpg"]))
+    (tmp_path / "cam2.json").write_text(json.dumps([{**p, "image_id": int(p["image_id"][:-4])} for p in people]))  # COCO
+    for found in read_keypoints(tmp_path, ["cam0", "cam1", "cam2"], [12, 12, 12]):
+        assert [found.of(t)[0, 0] for t in range(1, 12)] == [1, 0, 3, 0, 0, 0, 0, 0, 0, 10, 11]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        [{"people": [{"pose_keypoints_2d": 5}]}],
+        {"instance_info": [{"instances": [{"keypoints": 5, "keypoint_scores": 3}]}]},
+        {"instance_info": [{"instances": [{"keypoints": [5], "keypoint_scores": [3]}]}]},
+        [{"image_id": "a.jpg", "keypoints": "left"}],
+    ],
+)
+def test_what_should_be_a_list_of_key_points_and_is_none(tmp_path, content):
+    path = tmp_path / "cam0.json"
+    path.write_text(json.dumps(content))
+    try:
+        assert not CameraKeypoints(path).of(0).any()
+    except ValueError as error:
+        assert str(path) in str(error)
+
+
 def person_at(x: float) -> dict:
     return {"instances": [{"keypoints": [[x, 1.0]] * 17, "keypoint_scores": [0.9] * 17}]}
 

@@ -1,5 +1,5 @@
-"""Joints in the images, as OpenPose, RTMPose or MediaPipe find them: their files, what a session keeps of them, and where they
-are in space."""
+"""Joints in the images, as OpenPose, RTMPose, AlphaPose or MediaPipe find them: their files, what a session keeps of them, and
+where they are in space."""
 
 from __future__ import annotations
 
@@ -33,7 +33,9 @@ LAYOUTS = {
 }
 LEAST_AGREED = 6  #: of JOINTS
 FILE = "keypoints.npz"  #: of a session: for each camera (T, 12, 3) of its video
-FORMATS = "a list of frames, instance_info of RTMPose, or a folder of OpenPose's people, one file for each frame"
+FORMATS = (
+    "a list of frames, or of people (AlphaPose), instance_info (RTMPose), or a folder of people (OpenPose), one file a frame"
+)
 
 
 def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.ndarray]:
@@ -180,8 +182,11 @@ class CameraKeypoints:
 
     @property
     def counts_from_0(self) -> bool:
-        """OpenPose writes the frame's number in twelve digits."""
-        return self.path.is_dir() and all(re.search(r"(^|\D)\d{12}_keypoints$", file.stem) for file in self.frames)
+        """OpenPose writes the frame's number in twelve digits, AlphaPose without a leading zero."""
+        if self.path.is_dir():
+            return all(re.search(r"(^|\D)\d{12}_keypoints$", file.stem) for file in self.frames)
+        images = [frame.get("image") for frame in self.frames if isinstance(frame, dict)]
+        return bool(images) and all(re.fullmatch(r"(0|[1-9]\d*)\.(jpg|png)", str(image)) for image in images)
 
     def are_of(self, images: Sequence[int]) -> bool:
         """Files that are named after the images of a series? Then they are of these frames of it."""
@@ -215,18 +220,36 @@ def frames_of(content, path: Path) -> Sequence:
     frames = content.get("instance_info") if isinstance(content, dict) else content
     if not isinstance(frames, list):
         raise ValueError(f"{path}: expected keypoints ({FORMATS}), found something else")
-    return frames
+    return by_image(frames) if frames and all(isinstance(frame, dict) and "image_id" in frame for frame in frames) else frames
+
+
+def by_image(people: list[dict]) -> list[dict]:
+    """Frames, in the order of their numbers, of a list of people with an image each, as AlphaPose and COCO's results have it."""
+    images = [str(person["image_id"]) for person in people]
+    frames: dict[int, dict] = {}
+    for number, image, person in sorted(
+        zip(numbers_of([Path(image).stem for image in images]), images, people), key=lambda x: x[0]
+    ):
+        frame = frames.setdefault(number, {"frame_id": number, "image": image, "people": []})
+        frame["people"].append({"pose_keypoints_2d": person.get("keypoints")})
+    return list(frames.values())
 
 
 def people_of(found) -> list:
     """(K, 3) of everybody in a frame, whoever wrote it; the shape is looked at later."""
     if isinstance(found, dict) and isinstance(found.get("people"), list):  # OpenPose
-        flat = [person.get("pose_keypoints_2d") or [] for person in found["people"] if isinstance(person, dict)]
+        flat = [list_in(person, "pose_keypoints_2d") for person in found["people"] if isinstance(person, dict)]
         return [[numbers[i : i + 3] for i in range(0, len(numbers), 3)] for numbers in flat if numbers]
     if isinstance(found, dict) and isinstance(found.get("instances"), list):  # RTMPose, MMPose
         people = [p for p in found["instances"] if isinstance(p, dict)]
-        return [[[*xy, score] for xy, score in zip(p.get("keypoints") or [], p.get("keypoint_scores") or [])] for p in people]
+        scored = [zip(list_in(p, "keypoints"), list_in(p, "keypoint_scores")) for p in people]
+        return [[[*xy, score] for xy, score in points if isinstance(xy, list)] for points in scored]
     return [found] if found else []
+
+
+def list_in(person: dict, key: str) -> list:
+    numbers = person.get(key)
+    return numbers if isinstance(numbers, list) else []
 
 
 def joints_of(people: list, path: Path) -> np.ndarray:
