@@ -33,9 +33,7 @@ LAYOUTS = {
 }
 LEAST_AGREED = 6  #: of JOINTS
 FILE = "keypoints.npz"  #: of a session: for each camera (T, 12, 3) of its video
-FORMATS = (
-    "a list of frames, or of people (AlphaPose), instance_info (RTMPose), or a folder of people (OpenPose), one file a frame"
-)
+FORMATS = "a list of frames, or of people (AlphaPose), instance_info (RTMPose), or a folder of people (OpenPose), a file a frame"
 
 
 def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.ndarray]:
