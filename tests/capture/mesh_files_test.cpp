@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -137,6 +138,23 @@ TEST(MeshFiles, PolygonsBecomeFansAndOtherPropertiesAreSkipped) {
                           "endfacet\nendsolid a b\n")
                 .faces.rows(),
             1);
+}
+
+TEST(MeshFiles, PlyOfAnyLineEndsAndWithAByteOrderMark) {
+  std::string old = ply("3 0 1 2\n");
+  std::replace(old.begin(), old.end(), '\n', '\r');
+  EXPECT_EQ(read("a.ply", old).faces.rows(), 1);
+  EXPECT_EQ(read("a.ply", "\xEF\xBB\xBF" + ply("3 0 1 2\n")).faces.rows(), 1);
+  EXPECT_NE(refusal("a.ply", "ply\rend_header\r").find("format"), std::string::npos);
+  EXPECT_NE(refusal("a.ply", "ply\r").find("end_header"), std::string::npos);
+  const TempFolder folder;
+  const Mesh mesh = testing::capsule(0.1, 0, 0.5, 20, 10);
+  write_mesh(folder / "a.ply", mesh);
+  std::string raw = read_text(folder / "a.ply");
+  const auto body = raw.begin() + static_cast<std::ptrdiff_t>(raw.find("end_header\n") + 11);
+  ASSERT_NE(std::find(body, raw.end(), '\r'), raw.end()) << "numbers have such a byte, which stays";
+  std::replace(raw.begin(), body, '\n', '\r');
+  EXPECT_EQ(read("a.ply", raw).vertices, mesh.vertices);
 }
 
 TEST(MeshFiles, BigEndianAndExactNumbers) {

@@ -366,7 +366,7 @@ def read_in_python(folder: Path, world: World) -> dict:
     return {
         "paint": ([folder / "segmentation_paint.npz"], lambda path: d.read_segmentation_paint(path.parent, count)),
         "mask": (masks, lambda path: d.read_template_mask(path.parent)),
-        "keypoints": ([folder / "keypoints.json"], lambda path: keypoints.CameraKeypoints(path).of(1)),
+        "keypoints": ([folder / "keypoints.json"], lambda path: keypoints.CameraKeypoints(path, (64, 48)).of(1)),
         "options": ([folder / "options.toml"], config.read),
         "bone_map": ([folder / "map.toml"], lambda path: bone_map.read(path, clip)),
         "poses": ([folder / name for name in poses], lambda path: poses[path.name](path)),

@@ -224,6 +224,17 @@ def test_a_scan_in_glb_is_where_its_nodes_put_it(tmp_path):
     np.testing.assert_allclose(vertices[0], [14, 12, 10], atol=1e-6)  # (5, 6, 7), twice, mirrored in x, a quarter about y
 
 
+def test_what_stands_behind_a_glb_is_left_aside(tmp_path):
+    path = glb(tmp_path / "box.glb")
+    whole = path.read_bytes()
+    path.write_bytes(whole + bytes(7))
+    require_box(path)
+    for length in (0, 12, 19, 20, len(whole) - 40):  # as it says
+        path.write_bytes(whole[:8] + struct.pack("<I", length) + whole[12:])
+        with pytest.raises(d.Error, match=r"box\.glb: expected"):
+            d.read_mesh(path)
+
+
 def entry(*where, **more):
     def change(gltf):
         for key in where:

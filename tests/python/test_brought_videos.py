@@ -409,10 +409,12 @@ def test_frames_without_key_points_are_left_out(tmp_path, form):
     else:
         path = tmp_path / "cam0.json"
         path.write_text(json.dumps({"instance_info": [{"frame_id": k + 1, **content} for k, content in frames.items()]}))
-    assert CameraKeypoints(path).of(4)[0].tolist() == [4, 1, 0.9] and CameraKeypoints(path).of(1)[0].tolist() == [1, 1, 0.9]
-    assert not CameraKeypoints(path).of(2).any()
+    assert CameraKeypoints(path, (64, 48)).of(4)[0].tolist() == [4, 1, 0.9] and CameraKeypoints(path, (64, 48)).of(1)[
+        0
+    ].tolist() == [1, 1, 0.9]
+    assert not CameraKeypoints(path, (64, 48)).of(2).any()
     with pytest.raises(ValueError, match="expected keypoints of frame 6, found those of 4 frames"):
-        CameraKeypoints(path).of(6)
+        CameraKeypoints(path, (64, 48)).of(6)
 
 
 def test_a_list_of_people_names_the_image_of_each(tmp_path):
@@ -422,8 +424,26 @@ def test_a_list_of_people_names_the_image_of_each(tmp_path):
     (tmp_path / "cam0.json").write_text(json.dumps(people))
     (tmp_path / "cam1.json").write_text(json.dumps([p for p in people if p["image_id"] != "0.jpg"]))
     (tmp_path / "cam2.json").write_text(json.dumps([{**p, "image_id": int(p["image_id"][:-4])} for p in people]))  # COCO
-    for found in read_keypoints(tmp_path, ["cam0", "cam1", "cam2"], [12, 12, 12]):
+    for found in read_keypoints(tmp_path, ["cam0", "cam1", "cam2"], [12, 12, 12], [(64, 48)] * 3):
         assert [found.of(t)[0, 0] for t in range(1, 12)] == [1, 0, 3, 0, 0, 0, 0, 0, 0, 10, 11]
+
+
+@pytest.mark.parametrize("confidence", [True, False])
+@pytest.mark.parametrize("more", ["", " 0.87", " 0.87 3"])  # of the person, as --save-conf has it; the track
+def test_labels_of_yolo_are_shares_of_the_image(tmp_path, confidence, more):
+    """Frames count from 1, and one without anybody has no file."""
+    (tmp_path / "cam0").mkdir()
+    for frame in (0, 1, 3, 11):
+        point = [(frame + 0.5) / 64, 0.25, 0.9][: 2 + confidence]
+        points = [[0.0] * len(point) if k == 7 else point for k in range(17)]  # an elbow is not found
+        line = " ".join(f"{x:g}" for x in [0, 0.5, 0.5, 0.2, 0.9, *sum(points, [])]) + more
+        (tmp_path / f"cam0/take3_{frame + 1}.txt").write_text(line + "\n")
+    (found,) = read_keypoints(tmp_path, ["cam0"], [12], [(64, 48)])
+    np.testing.assert_allclose(found.of(11)[0], [11.5, 12, 0.9 if confidence else 1], atol=1e-3)
+    assert found.of(11)[2, 2] == 0 and not found.of(2).any() and found.of(3)[0, 0] == pytest.approx(3.5, abs=1e-3)
+    (tmp_path / "cam0/take3_1.txt").write_text("0 0.5 0.5 0.2 0.9\n")  # boxes alone
+    with pytest.raises(ValueError, match=r"take3_1\.txt: expected lines of class, box and 17 keypoints"):
+        found.of(0)
 
 
 @pytest.mark.parametrize(
@@ -439,7 +459,7 @@ def test_what_should_be_a_list_of_key_points_and_is_none(tmp_path, content):
     path = tmp_path / "cam0.json"
     path.write_text(json.dumps(content))
     try:
-        assert not CameraKeypoints(path).of(0).any()
+        assert not CameraKeypoints(path, (64, 48)).of(0).any()
     except ValueError as error:
         assert str(path) in str(error)
 
@@ -470,7 +490,7 @@ def test_key_points_that_begin_late(tmp_path, case):
         told = [{"frame_id": number, **person_at(frame + 1)} for number, frame in zip(called, frames)]
         (tmp_path / "cam0.json").write_text(json.dumps({"instance_info": told}))
     (tmp_path / "cam1.json").write_text(json.dumps({"instance_info": [{"frame_id": other, **person_at(5)}]}))
-    found, _ = read_keypoints(tmp_path, ["cam0", "cam1"], [10, 10])
+    found, _ = read_keypoints(tmp_path, ["cam0", "cam1"], [10, 10], [(64, 48)] * 2)
     assert [found.of(t)[0, 0] for t in range(found.count)] == [t + 1 if t in frames else 0 for t in range(frames[-1] + 1)]
 
 

@@ -63,7 +63,7 @@ def test_cameras_come_from_the_person(filmed, tmp_path, capsys):
 
 
 def keypoints_of(folder, camera: str) -> np.ndarray:
-    keypoints = CameraKeypoints(folder / "keypoints" / f"{camera}.json")
+    keypoints = CameraKeypoints(folder / "keypoints" / f"{camera}.json", (640, 480))
     return np.stack([keypoints.of(frame) for frame in range(keypoints.count)])
 
 

@@ -58,6 +58,18 @@ def arm(**more):
     return {"nodes": nodes, "tracks": tracks, "skins": [{"joints": [3, 1, 2]}], **more}
 
 
+def test_what_stands_behind_a_clip_is_left_aside(tmp_path):
+    path = write_glb(tmp_path / "arm.glb", **arm())
+    whole = path.read_bytes()
+    frames = d.SourceMotion.read(path).frame_count
+    path.write_bytes(whole + bytes(7))
+    assert d.SourceMotion.read(path).frame_count == frames
+    for length in (0, 12, 27, 28, len(whole) - 40):  # as it says
+        path.write_bytes(whole[:8] + struct.pack("<I", length) + whole[12:])
+        with pytest.raises(d.Error, match=r"arm\.glb: expected"):
+            d.SourceMotion.read(path)
+
+
 def test_joints_of_the_skin_in_metres_relative_to_how_they_rest(tmp_path):
     clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm()))
     assert clip.joint_names == ["shoulder", "elbow", "wrist"]

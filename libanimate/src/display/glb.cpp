@@ -202,9 +202,10 @@ Reader::Reader(const std::filesystem::path &path) : source_(path.string()), cont
          std::to_string(content_.size()) + " bytes");
   if (content_.compare(0, 4, "glTF") != 0 || word(4) != 2)
     fail("expected a binary glTF 2.0 file, found another one");
-  if (word(8) != content_.size())
+  if (word(8) > content_.size())
     fail("expected the " + std::to_string(word(8)) + " bytes that it says it has, found " + std::to_string(content_.size()) +
          " (truncated?)");
+  content_.resize(std::max<std::size_t>(word(8), kHeaderBytes + 2 * kChunkBytes)); // what stands behind is of others
   const std::string_view text = chunk(kHeaderBytes, kJsonChunk, "JSON");
   binary_ = chunk(kHeaderBytes + kChunkBytes + text.size(), kBinaryChunk, "binary");
   require_shallow_json(text, source_);

@@ -32,11 +32,11 @@ public:
       fail("expected a binary glTF 2.0 file of at most 1 GiB, found another one");
     std::memcpy(&length, data.data() + 8, sizeof length);
     std::memcpy(&text, data.data() + 12, sizeof text);
-    if (length != data.size() || text > data.size() - kGlbHeader)
+    if (length > data.size() || text > data.size() - kGlbHeader)
       fail("expected the " + std::to_string(length) + " bytes that it says it has, found " + std::to_string(data.size()) +
            " (truncated?)");
     require_shallow_json(std::string_view(data).substr(kGlbHeader, text), source);
-    load(data);
+    load(data, length); // what stands behind is of others
   }
 
   Mesh mesh() {
@@ -49,7 +49,7 @@ public:
 private:
   [[noreturn]] void fail(const std::string &what) const { throw Error(source_ + ": " + what); }
 
-  void load(const std::string &data) {
+  void load(const std::string &data, std::uint32_t length) {
     tinygltf::TinyGLTF loader;
     // Pictures do not matter, and no other file is ever looked at.
     loader.SetImageLoader([](tinygltf::Image *, const int, std::string *, std::string *, int, int, const unsigned char *, int,
@@ -62,8 +62,8 @@ private:
     std::string problem, remark;
     bool read = false;
     try {
-      read = loader.LoadBinaryFromMemory(&model_, &problem, &remark, reinterpret_cast<const unsigned char *>(data.data()),
-                                         static_cast<unsigned int>(data.size()), "");
+      read = loader.LoadBinaryFromMemory(&model_, &problem, &remark, reinterpret_cast<const unsigned char *>(data.data()), length,
+                                         "");
     } catch (const std::exception &error) {
       problem = error.what();
     }

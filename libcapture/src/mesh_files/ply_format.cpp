@@ -275,17 +275,37 @@ void require_mesh(const Header &header, const std::string &source) {
     throw Error(source + ": expected faces with a list vertex_indices, found none");
 }
 
-} // namespace
-
-Mesh parse_ply(const std::string &data, const std::string &source) {
+Mesh parse_usual(std::string_view data, const std::string &source) {
   Words words(data, source);
   const Header header = read_header(words);
   require_mesh(header, source);
   if (header.encoding == Encoding::Text)
     return BodyReader(TextValues(words), data.size() - words.position(), source).read(header.elements);
-  const std::size_t begin = std::min(words.position() + 1, data.size()); // behind the line's end
-  const std::string_view body = std::string_view(data).substr(begin);
+  const std::string_view body = data.substr(std::min(words.position() + 1, data.size())); // behind the line's end
   return BodyReader(RawValues(body, header.encoding == Encoding::Big, source), body.size(), source).read(header.elements);
+}
+
+/// Do lines end in \r alone, as old programs write them?
+bool has_old_lines(std::string_view data) {
+  return data.starts_with("ply\r") && !data.starts_with("ply\r\n");
+}
+
+std::string with_new_lines(std::string data) {
+  constexpr std::string_view kEnd = "end_header\r";
+  const std::size_t end = data.find(kEnd);
+  const auto header = data.begin() + static_cast<std::ptrdiff_t>(end == data.npos ? data.size() : end + kEnd.size());
+  const bool text = std::string_view(data.begin(), header).find("format ascii") != std::string_view::npos;
+  std::replace(data.begin(), text ? data.end() : header, '\r', '\n');
+  return data;
+}
+
+} // namespace
+
+Mesh parse_ply(const std::string &file, const std::string &source) {
+  std::string_view data = file;
+  if (data.starts_with("\xEF\xBB\xBF"))
+    data.remove_prefix(3);
+  return has_old_lines(data) ? parse_usual(with_new_lines(std::string(data)), source) : parse_usual(data, source);
 }
 
 void print_ply(const Mesh &mesh, std::ostream &out) {

@@ -1,5 +1,5 @@
-"""Joints in the images, as OpenPose, RTMPose, AlphaPose or MediaPipe find them: their files, what a session keeps of them, and
-where they are in space."""
+"""Joints in the images, as OpenPose, RTMPose, AlphaPose, YOLO or MediaPipe find them: their files, what a session keeps of them,
+and where they are in space."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 
 from .. import _doublet as d
-from ..common.files import read_json, written_atomically
+from ..common.files import read_json, require_file, written_atomically
 from ..common.images import MOST_NUMBER, ImageSeries, counted, in_order, numbers_of
 from ..common.video import VideoFile, read_video
 from .camera_files import VIDEOS, CameraFile, match
@@ -33,7 +33,9 @@ LAYOUTS = {
 }
 LEAST_AGREED = 6  #: of JOINTS
 FILE = "keypoints.npz"  #: of a session: for each camera (T, 12, 3) of its video
-FORMATS = "a list of frames, or of people (AlphaPose), instance_info (RTMPose), or a folder of people (OpenPose), a file a frame"
+FORMATS = (
+    "a list of frames or people (AlphaPose), instance_info (RTMPose), a folder of people (OpenPose) or labels (YOLO) by frame"
+)
 
 
 def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.ndarray]:
@@ -70,10 +72,8 @@ def filmed_keypoints(
     file, expectation and finding."""
     counts = [len(source.times) for source in sources]
     images = [numbers_of([file.stem for file in getattr(source, "files", ())]) for source in sources]
-    return [
-        np.stack([keypoints.of(int(number)) for number in chosen])
-        for keypoints, chosen in zip(read_keypoints(path, names, counts, images), numbers)
-    ]
+    read = read_keypoints(path, names, counts, [source.size for source in sources], images)
+    return [np.stack([keypoints.of(int(number)) for number in chosen]) for keypoints, chosen in zip(read, numbers)]
 
 
 def write_keypoints(folder: Path, names: Sequence[str], seen: Sequence[np.ndarray]) -> str:
@@ -98,8 +98,9 @@ def keypoints_of_videos(session: d.Session, path: Path, messages: list[str]) -> 
     names = [camera.name for camera in session.cameras]
     counts = [camera.first_frame + session.frame_count for camera in session.cameras]
     whole_videos = [filmed_frames(camera, count) for camera, count in zip(session.cameras, counts)]
+    sizes = [(camera.width, camera.height) for camera in session.rig]
     seen = []
-    for keypoints, count in zip(read_keypoints(path, names, whole_videos), counts):
+    for keypoints, count in zip(read_keypoints(path, names, whole_videos, sizes), counts):
         known = min(count, keypoints.count)
         if known < count:
             messages.append(f"{keypoints.path}: keypoints of {known} of {count} frames")
@@ -135,10 +136,15 @@ def shown_at(frame: int, whole: np.ndarray, camera: d.SessionCamera, frame_count
 def list_keypoints(path: Path) -> list[CameraFile]:
     if not path.is_dir():
         raise FileNotFoundError(f"{path}: expected a folder with the keypoints of each camera, found none")
-    entries = sorted(p for p in path.iterdir() if p.suffix == ".json" or (p.is_dir() and any(p.glob("*.json"))))
+    entries = sorted(p for p in path.iterdir() if p.suffix == ".json" or (p.is_dir() and files_of_frames(p)))
     if not entries:
         raise FileNotFoundError(f"{path}: expected a JSON file, or a folder of them, for each camera, found none")
     return [CameraFile(p.stem, p) for p in entries]
+
+
+def files_of_frames(folder: Path) -> list[Path]:
+    """OpenPose's, or the labels of YOLO."""
+    return list(folder.glob("*.json")) or list(folder.glob("*.txt"))
 
 
 def match_keypoints(names: Sequence[str], path: Path) -> dict[str, CameraFile]:
@@ -146,12 +152,17 @@ def match_keypoints(names: Sequence[str], path: Path) -> dict[str, CameraFile]:
 
 
 def read_keypoints(
-    path: Path, names: Sequence[str], counts: Sequence[int], images: Sequence[Sequence[int]] = ()
+    path: Path,
+    names: Sequence[str],
+    counts: Sequence[int],
+    sizes: Sequence[tuple[int, int]],
+    images: Sequence[Sequence[int]] = (),
 ) -> list[CameraKeypoints]:
-    """Of cameras whose videos have so many frames, or images of such numbers. Programs count frames from 0 or from 1, and leave
-    out those at the beginning in which they see nobody. Numbers that a video does not have begin with it."""
+    """Of cameras whose videos have so many frames of this width and height, or images of such numbers. Programs count frames from
+    0 or from 1, and leave out those at the beginning in which they see nobody. Numbers that a video does not have begin with
+    it."""
     files = match_keypoints(names, path)
-    seen = [CameraKeypoints(files[name].path) for name in names]
+    seen = [CameraKeypoints(files[name].path, size) for name, size in zip(names, sizes)]
     beyond = [max(keypoints.stated, default=0) + 1 - count for keypoints, count in zip(seen, counts)]
     least = min(min(keypoints.stated, default=0) for keypoints in seen)
     usual = least if least < 2 else int(1 in beyond)
@@ -166,10 +177,10 @@ class CameraKeypoints:
     """Of a camera's video: `numbers` (N) are its frames, those that the files state, from the first on. Raises ValueError for a
     file that has none."""
 
-    def __init__(self, path: Path):
-        self.path = path
+    def __init__(self, path: Path, size: tuple[int, int]):
+        self.path, self.size = path, size
         if path.is_dir():
-            self.frames = in_order(list(path.glob("*.json")))
+            self.frames = in_order(files_of_frames(path))
             names = [file.stem for file in self.frames]
             self.stated, numbers = rising(numbers_of(names)), counted(names)
         else:
@@ -205,7 +216,9 @@ class CameraKeypoints:
             raise ValueError(f"{self.path}: expected keypoints of frame {frame}, found those of {len(self.frames)} frames")
         found = np.flatnonzero(self.numbers == frame)
         what = self.frames[found[0]] if len(found) else []
-        return joints_of(people_of(read_json(what)), what) if isinstance(what, Path) else joints_of(people_of(what), self.path)
+        if not isinstance(what, Path):
+            return joints_of(people_of(what), self.path)
+        return joints_of(labelled(what, self.size) if what.suffix == ".txt" else people_of(read_json(what)), what)
 
 
 def rising(numbers: list) -> list[int]:
@@ -243,6 +256,25 @@ def people_of(found) -> list:
         scored = [zip(list_in(p, "keypoints"), list_in(p, "keypoint_scores")) for p in people]
         return [[[*xy, score] for xy, score in points if isinstance(xy, list)] for points in scored]
     return [found] if found else []
+
+
+def labelled(path: Path, size: tuple[int, int]) -> list[np.ndarray]:
+    """(17, 3) of everybody in a frame, by the labels of Ultralytics YOLO: class, box, keypoints in shares of the image's size,
+    each with a confidence or none, and what else was saved."""
+    require_file(path)
+    people = []
+    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        try:
+            numbers = np.array(line.split()[5:], float)
+        except ValueError:
+            numbers = np.zeros(0)
+        columns = 3 if len(numbers) >= 3 * 17 else 2
+        if len(numbers) < columns * 17:
+            raise ValueError(f"{path}: expected lines of class, box and 17 keypoints (YOLO's labels), found '{line[:40]}'")
+        points = numbers[: columns * 17].reshape(17, columns)
+        confidence = points[:, 2] if columns == 3 else points.any(axis=1)
+        people.append(np.column_stack([points[:, :2] * size, confidence]))
+    return people
 
 
 def list_in(person: dict, key: str) -> list:
