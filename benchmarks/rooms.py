@@ -6,11 +6,11 @@ Rooms (ROOMS): `flicker`, ready masks whose outline is off by 2 pixels, another 
 `calib`, every camera turned by N(0, 0.2 degrees), its focal length off by N(0, 0.2 %); `calib05`, the same with 0.5; `late`,
 every second camera films a frame late, and nobody says so; `masks`, calib and flicker, with blur, noise, other exposures and a
 strong compression; `room`, the same before clutter, with clean plates in the place of masks; `clutter`, before clutter with the
-masks, which go before the plates; `eight`, `four` and `three`, without scan and joints (`doublet scan`), with all cameras and with
-every second or third one; `person` and `person4`, the same without a calibration: cameras by `new-session --calibrate`, the world that was
-found laid over the true one. --keypoints: those of the session's videos, as a program found them; otherwise the true joints
-with an error of 0.6 % of the image. --tracked-keypoints: every room has them, and tracking goes by them. Printed: a row of
-`doublet evaluate` each. What is in FOLDER already is not made again.
+masks, which go before the plates; `eight`, `four` and `three`, without scan and joints (`doublet scan`), with all cameras and
+with every second or third one; `person` and `person4`, the same without a calibration: cameras by `new-session --calibrate`,
+the world that was found laid over the true one. --keypoints: those of the session's videos, as a program found them; otherwise
+the true joints with an error of 0.6 % of the image. --tracked-keypoints: every room has them, and tracking goes by them.
+Printed: a row of `doublet evaluate` each. What is in FOLDER already is not made again.
 """
 
 from __future__ import annotations
