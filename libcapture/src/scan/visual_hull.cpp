@@ -186,7 +186,8 @@ std::vector<Contact> missed_by(const Vertices &points, const Hull &hull, const S
   cv::findNonZero(missed, pixels);
   std::vector<Contact> contacts;
   for (const cv::Point &at : pixels)
-    if (const auto contact = contact_at(hull, silhouette, place(at.x, at.y), cube, body, cell, 0))
+    if (const auto contact = contact_at(hull, silhouette, place(at.x, at.y), cube, body, cell, 0);
+        contact && contact->clearance > cell)
       contacts.push_back(*contact);
   return contacts;
 }

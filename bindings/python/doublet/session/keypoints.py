@@ -237,12 +237,11 @@ def frames_of(content, path: Path) -> Sequence:
 def by_image(people: list[dict]) -> list[dict]:
     """Frames, in the order of their numbers, of a list of people with an image each, as AlphaPose and COCO's results have it."""
     images = [str(person["image_id"]) for person in people]
-    frames: dict[int, dict] = {}
-    for number, image, person in sorted(
-        zip(numbers_of([Path(image).stem for image in images]), images, people), key=lambda x: x[0]
-    ):
-        frame = frames.setdefault(number, {"frame_id": number, "image": image, "people": []})
-        frame["people"].append({"pose_keypoints_2d": person.get("keypoints")})
+    numbers = numbers_of([Path(image).stem for image in images])
+    frames = {number: {"frame_id": number, "image": "", "people": []} for number in sorted(numbers)}
+    for number, image, person in zip(numbers, images, people):
+        frames[number]["image"] = image
+        frames[number]["people"].append({"pose_keypoints_2d": person.get("keypoints")})
     return list(frames.values())
 
 
