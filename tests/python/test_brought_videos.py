@@ -421,8 +421,10 @@ def test_a_list_of_people_names_the_image_of_each(tmp_path):
     """AlphaPose; in frame 1 there are two, in frame 2 nobody."""
     told = [(11, 11, 0.9), (1, 3, 0.1), (1, 1, 0.9), (0, 0, 0.9), (10, 10, 0.9), (3, 3, 0.9)]
     people = [{"image_id": f"{n}.jpg", "category_id": 1, "keypoints": [x, 1.0, c] * 17, "score": c} for n, x, c in told]
-    (tmp_path / "cam0.json").write_text(json.dumps(people))
     (tmp_path / "cam1.json").write_text(json.dumps([p for p in people if p["image_id"] != "0.jpg"]))
+    (alone,) = read_keypoints(tmp_path, ["cam1"], [12], [(64, 48)])
+    assert alone.of(3)[0, 0] == 3  # in frame 0 there was nobody in any camera
+    (tmp_path / "cam0.json").write_text(json.dumps(people))
     (tmp_path / "cam2.json").write_text(json.dumps([{**p, "image_id": int(p["image_id"][:-4])} for p in people]))  # COCO
     for found in read_keypoints(tmp_path, ["cam0", "cam1", "cam2"], [12, 12, 12], [(64, 48)] * 3):
         assert [found.of(t)[0, 0] for t in range(1, 12)] == [1, 0, 3, 0, 0, 0, 0, 0, 0, 10, 11]
