@@ -189,8 +189,6 @@ double BodyBound::inside_clearance(const Eigen::Vector3d &point) const {
 }
 
 void BodyBound::reach(const std::vector<Contact> &contacts, double radius) {
-  if (contacts.empty())
-    return;
   constexpr double kWidth = 1e-3; // m; a line is a triangle as thin as this
   Mesh lines{Vertices(3 * contacts.size(), 3), Faces(contacts.size(), 3)};
   for (Eigen::Index i = 0; i < lines.faces.rows(); ++i) {

@@ -51,9 +51,10 @@ public:
   BodyBound(const Mesh &body, const std::function<bool(const Eigen::Vector3d &)> &filled);
   /// m, negative inside the body.
   double distance(const Eigen::Vector3d &point) const { return look(point).distance; }
-  /// Spreads the clearances of `contacts` over the body, as heat from them: all that clearance() knows.
+  /// Spreads the clearances of `contacts` over the body, as heat from them.
   void learn(const std::vector<Contact> &contacts);
-  /// From now on it reaches as far as these, which lie outside the body, by a tube of `radius` (m) from the body to each.
+  /// From now on it reaches as far as these, at least one, which lie outside the body, by a tube of `radius` (m) from the body to
+  /// each.
   void reach(const std::vector<Contact> &contacts, double radius);
   /// m, about: how far inside the bound a point is.
   double inside(const Eigen::Vector3d &point) const;
