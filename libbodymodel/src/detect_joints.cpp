@@ -57,6 +57,8 @@ constexpr std::array kLandmarks{"head_top",    "nose_tip",    "l_middle_fingerti
 constexpr double kEndDeviation = 0.05;
 /// m; joints that a network sees in images are not quite the model's.
 constexpr double kSeenDeviation = 0.03;
+/// m; of a surface in clothes, or one that cameras have made: folds and hulls are wrong alike over more than the fitter's 4 cm^2.
+constexpr double kDressedDeviation = 0.05;
 /// m; surface that is farther from the fitted body is cloth: skin is nearer even if the model is not this person's.
 constexpr double kOffSkin = 0.03;
 /// m; mean distance of what is taken for skin to the body beyond which the body is somewhere else.
@@ -255,6 +257,7 @@ DetectedJoints detect_joints(const Mesh &surface, const std::vector<std::uint8_t
   BodyFitOptions loose = options;
   loose.landmark_deviation = std::max(options.landmark_deviation, kEndDeviation);
   loose.joint_deviation = std::max(options.joint_deviation, kSeenDeviation);
+  loose.surface_deviation = std::max(options.surface_deviation, kDressedDeviation);
   const auto fitter = BodyFitter::create(loose);
   DetectedJoints marks;
   if (seen.empty()) {

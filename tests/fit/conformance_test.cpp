@@ -45,7 +45,7 @@ TEST(Conformance, TheKitCatchesAStubbornOptimizer) {
 TEST(Conformance, OurObjectiveConforms) {
   const auto scene =
       testing::make_scene({testing::cotton()}, {.frames = 12, .cameras = 2, .pixels = 160, .rings = 6, .segments = 16});
-  MaterialObjective objective(*scene->simulator, scene->performance, scene->observations, kDt);
+  MaterialObjective objective(*scene->simulator, scene->performance, scene->observations, testing::kDt);
   for (const std::string &broken : testing::objective_violations(objective))
     ADD_FAILURE() << broken;
 }

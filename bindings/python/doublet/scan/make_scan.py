@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,8 +32,6 @@ OF_ANOTHER_SCAN = 0.01
 LIKELY_RIVAL = 0.8
 #: m; a joint farther from where keypoints see it is put there.
 FAR_FROM_KEYPOINT = 0.06
-#: m; of a surface that cameras have made around skin: hulls have corners. A scanner's is what the body model's options say.
-OF_HULL = 0.05
 #: The hull that a given scan is aligned to, and that a body is first fitted to.
 COARSE = d.ViewScanOptions(cell=0.012, poisson_depth=7, search_depth=0)
 #: How coarsely frames are tried for the best one, and how many at most.
@@ -125,7 +122,7 @@ def write_marks(job: Job, force: bool, of_cameras: bool) -> Marked:
     """Writes joints.json, unless no person is found in a scan of the cameras."""
     path, seen = require_free(job.session_folder / MARKS, force), seen_joints(job, scan_frame(job.session))
     try:
-        marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
+        marks = marks_of(job, d.read_mesh(job.session.scan), seen)
     except d.Error as error:
         if not of_cameras:
             raise
@@ -288,7 +285,7 @@ def scan_of(job: Job, options: d.ViewScanOptions, frame: int) -> d.Mesh:
     seen, views = seen_joints(job, frame), views_of(job, frame)
     hull = hull_of(job, views)
     try:
-        body = marks_of(job, hull, seen, of_cameras=True).fit.body
+        body = marks_of(job, hull, seen).fit.body
     except d.Error as error:
         job.console.say(f"scan: no body was found in the cameras' hull, which is the scan as it is ({error})")
         body = None
@@ -322,12 +319,10 @@ def aligned(job: Job, given: Path, frame: int) -> d.Mesh:
     return found.mesh
 
 
-def marks_of(job: Job, scan: d.Mesh, seen: dict[str, np.ndarray], of_cameras: bool) -> d.DetectedJoints:
+def marks_of(job: Job, scan: d.Mesh, seen: dict[str, np.ndarray]) -> d.DetectedJoints:
     surface = d.build_template(scan, d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
-    options = copy(job.options["body"])
-    if of_cameras:
-        options.surface_deviation = max(options.surface_deviation, OF_HULL)
-    return d.detect_joints(surface.mesh, surface.face_valid, d.BodyModel.read(job.options.body_model), options, seen, job.context)
+    model, options = d.BodyModel.read(job.options.body_model), job.options["body"]
+    return d.detect_joints(surface.mesh, surface.face_valid, model, options, seen, job.context)
 
 
 def joints_file(marks: d.DetectedJoints) -> dict:
