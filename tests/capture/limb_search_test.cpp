@@ -1,5 +1,6 @@
 // The search for lost limbs: the annealing on known functions, limbs by topology, their error, and arms found again.
 
+#include "../../libcapture/src/tracking/backward_hinges.h"
 #include "doublet/capture/limb_search.h"
 #include "person_scene.h"
 
@@ -168,18 +169,20 @@ double hand_error(const CaptureResult &result, const Scene &scene, const MatrixR
 /// Puts an arm wrong in one frame, once.
 class Sabotage : public PoseOptimizer {
 public:
-  Sabotage(int call, const std::string &dof) : call_(call), dof_(dof), inner_(PoseOptimizer::create()) {}
+  Sabotage(int call, const std::string &dof, double angle = 70 * kDegree)
+      : call_(call), dof_(dof), angle_(angle), inner_(PoseOptimizer::create()) {}
   PoseEstimate optimize(const PoseProblem &problem, const Context &context) override {
     PoseEstimate estimate = inner_->optimize(problem, context);
     const auto &names = problem.actor->skeleton.dof_names;
     if (calls_++ == call_)
-      estimate.dofs[std::find(names.begin(), names.end(), dof_) - names.begin()] += 70 * kDegree;
+      estimate.dofs[std::find(names.begin(), names.end(), dof_) - names.begin()] += angle_;
     return estimate;
   }
 
 private:
   int call_, calls_ = 0;
   std::string dof_;
+  double angle_;
   std::unique_ptr<PoseOptimizer> inner_;
 };
 
@@ -209,6 +212,53 @@ TEST(LostLimb, PutWrongInOneFrameIsFoundAgain) {
   }));
   for (int t = 2; t < frames; ++t)
     EXPECT_LT(hand_error(with, scene, truth, t), 0.03) << "frame " << t;
+}
+
+/// rad, of the left elbow; the same backwards and forwards.
+double bend(const Scene &scene, const Eigen::VectorXd &dofs) {
+  const Vertices joints = scene.joints(dofs);
+  const auto at = [&](const char *name) -> Eigen::Vector3d { return joints.row(scene.actor.skeleton.find(name)).transpose(); };
+  const Eigen::Vector3d above = at("l_elbow") - at("l_shoulder"), below = at("l_wrist") - at("l_elbow");
+  return std::atan2(above.cross(below).norm(), above.dot(below));
+}
+
+TEST(BackwardHinges, AreElbowsAndKneesBentBeyondStraight) {
+  const Scene scene;
+  const Skeleton &skeleton = scene.actor.skeleton;
+  const RiggedMesh forwards = detail::forwards_only(scene.actor);
+  const double straight = -bend(scene, scene.truth);
+  const int elbow = scene.dof("l_elbow.flex");
+  EXPECT_NEAR(forwards.skeleton.lower[elbow], straight, 1e-9);
+  EXPECT_EQ((forwards.skeleton.lower.array() != skeleton.lower.array()).count(), 4); // two elbows, two knees
+  for (const double beyond : {-1.0, 2.0, 4.0}) {
+    Eigen::VectorXd dofs = scene.truth;
+    dofs[elbow] = straight - beyond * kDegree;
+    ASSERT_NEAR(bend(scene, dofs), std::abs(beyond) * kDegree, 1e-6);
+    for (const Limb &limb : scene.limbs)
+      EXPECT_EQ(detail::bends_backwards(skeleton, limb, dofs), beyond > 3 && limb.name == "l_clavicle") << beyond << limb.name;
+  }
+}
+
+TEST(LostLimb, WithAnElbowThatBendsBackwardsIsSought) {
+  const Scene scene;
+  const int frames = 4, elbow = scene.dof("l_elbow.flex");
+  const double straight = -bend(scene, scene.truth);
+  MatrixRM truth = MatrixRM::Zero(frames, scene.truth.size());
+  for (int t = 0; t < frames; ++t)
+    truth(t, elbow) = straight + (8 - 2 * t) * kDegree;
+  truth.row(0).setZero();
+  Masks film(scene.actor, scene.rig, tracker_scene::surfaces(scene.actor, truth));
+  CaptureOptions options;
+  options.second_pass = false;
+  options.smooth_window = 1;
+  for (const bool sought : {true, false}) {
+    options.find_lost_limbs = sought;
+    CaptureParts parts;
+    parts.pose = std::make_shared<Sabotage>(3, "l_elbow.flex", -10 * kDegree); // a few millimetres at the hand: no large error
+    const auto result = PerformanceCapture::create(options, parts)->capture(scene.actor, scene.rig, film, nullptr, {});
+    EXPECT_TRUE(result.summary.lost_limbs.empty());
+    EXPECT_EQ(result.performance.dofs(3, elbow) > straight, sought);
+  }
 }
 
 TEST(SlowLostLimb, ThatJumpedBetweenFramesIsFoundAgain) {

@@ -17,7 +17,7 @@ FrameTracker::FrameTracker(const TrackingJob &job, const TrackingOrder &order, c
                            const SurfaceMemory &memory, const KeypointPlaces &places, SurfaceTracks &tracks,
                            CaptureResult &result)
     : job_(job), order_(order), measured_(measured), memory_(memory), places_(places), tracks_(tracks), result_(result),
-      limbs_(find_limbs(job.actor.skeleton)) {
+      limbs_(find_limbs(job.actor.skeleton)), forwards_(forwards_only(job.actor)) {
   forget_limbs();
 }
 
@@ -95,22 +95,30 @@ void FrameTracker::require_pose(const Eigen::VectorXd &dofs, const std::string &
                 std::to_string(job_.frame(t)) + ", expected " + std::to_string(job_.actor.skeleton.dof_count()) + " finite ones");
 }
 
-/// Limbs with too large an error are sought globally and optimised again; the pose that overlaps better is kept. A limb that
-/// was not found is sought again after a wait that grows with every miss: a mask may hold something that is no limb.
+/// Limbs with too large an error are sought globally and optimised again, and so are those that bend backwards: an arm whose
+/// elbow went to the wrong side of a straight one overlaps nearly as well for a while, and then its surface passes for loose.
+/// What is sought bends forwards; the pose that overlaps better is kept. A limb that was not found is sought again after a wait
+/// that grows with every miss: a mask may hold something that is no limb.
 void FrameTracker::recover_limbs(const PoseProblem &problem, PoseEstimate &estimate, int t, TrackedFrame &found) {
   constexpr int kLongestWait = 10; // frames
   const Stopwatch watch(result_.summary.limb_seconds);
   auto &[misses, next_search, steady_since] = found.limbs;
   const LimbProblem limbs = limb_problem(problem);
   const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, job_.options.limbs, job_.context);
+  const auto doubtful = [&](size_t l, const Eigen::VectorXd &errors) {
+    return errors[l] > job_.options.limbs.lost_error || bends_backwards(job_.actor.skeleton, limbs_[l], estimate.dofs);
+  };
   std::vector<Limb> sought;
   for (size_t l = 0; l < limbs_.size(); ++l)
-    if (before[l] > job_.options.limbs.lost_error && order_.age(t) >= next_search[l])
+    if (doubtful(l, before) && order_.age(t) >= next_search[l])
       sought.push_back(limbs_[l]);
   Eigen::VectorXd after = before;
   if (!sought.empty()) {
     PoseProblem again = problem;
-    again.start = job_.parts.limbs->search(limbs, estimate.dofs, sought, job_.context);
+    LimbProblem there = limbs;
+    again.actor = there.actor = &forwards_;
+    there.predicted = there.predicted.cwiseMax(forwards_.skeleton.lower);
+    again.start = job_.parts.limbs->search(there, estimate.dofs, sought, job_.context);
     require_pose(again.start, "limb search", t);
     for (const Limb &limb : sought)
       again.predicted(limb.dofs) = again.start(limb.dofs);
@@ -127,7 +135,7 @@ void FrameTracker::recover_limbs(const PoseProblem &problem, PoseEstimate &estim
   }
   for (size_t l = 0; l < limbs_.size(); ++l) {
     const bool lost = after[l] > job_.options.limbs.lost_error, searched = order_.age(t) >= next_search[l];
-    if (!lost)
+    if (!doubtful(l, after))
       misses[l] = 0;
     else if (searched)
       next_search[l] = order_.age(t) + std::min(++misses[l], kLongestWait);

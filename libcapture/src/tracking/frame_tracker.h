@@ -1,6 +1,7 @@
 #pragma once
 // One frame: its pose, the limbs that were lost in it, its surface.
 
+#include "backward_hinges.h"
 #include "cloth_deviation.h"
 #include "surface_tracks.h"
 
@@ -43,6 +44,7 @@ private:
   SurfaceTracks &tracks_;
   CaptureResult &result_;
   std::vector<Limb> limbs_;
+  RiggedMesh forwards_; // the actor, with elbows and knees that bend forwards only
   LimbRecord record_;
   Eigen::VectorXd start_pose_;
   int track_count_ = 0;
