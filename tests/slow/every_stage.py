@@ -215,8 +215,8 @@ def comparable(path: Path):
     if path.suffix == ".csv":
         return [{k: v for k, v in row.items() if k != "seconds"} for row in csv.DictReader(path.open())]
     if path.suffix == ".html":
-        text = re.sub(r"<h2>Time and memory</h2><table>.*?</table>", "", path.read_text(), flags=re.DOTALL)
-        text = re.sub(rf"<td>({'|'.join(TIMES)})</td><td[^>]*>[^<]*</td>", "", text)
+        text = re.sub(r"<h2>Time and memory</h2>.*?</table>", "", path.read_text(), flags=re.DOTALL)
+        text = re.sub(rf"<td>({'|'.join(TIMES).replace('_', ' ')})</td><td[^>]*>[^<]*</td>", "", text)
         return re.sub(r"\b\d+(\.\d+)? (s|MB|min)\b", "", text)
     if path.name == "fit_checkpoint.txt":
         search = without_times(json.loads(path.read_text()))

@@ -6,7 +6,7 @@
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 work=$PWD/build/pythons
-tests=(arguments bindings config evaluate lifetimes motions options player promises run_record stages template_mask)
+tests=(arguments bindings config evaluate lifetimes motions options player promises stages template_mask)
 oldest=$(grep -oP 'requires-python = ">=\K[\d.]+' pyproject.toml)
 mkdir -p "$work"
 
