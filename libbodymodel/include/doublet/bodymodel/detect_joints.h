@@ -22,7 +22,8 @@ struct DetectedJoints {
 /// points that are farthest along the surface from its middle and from each other the lowest two are the feet; of the others and
 /// the next three the two farthest apart are the hands, and the highest of the rest is the head. Both sides that the person may
 /// face are tried: the body is fitted as if all were skin, and twice again without the surface that stands off it. The one is
-/// taken that stands less out of the surface and is less far from it (sum of both means). Throws Error if the five are not
+/// taken that stands less out of the surface and is less far from it (sum of both means). Whatever `options` say, surface and
+/// ends deviate by at least 5 cm, as clothes do and points found so, and seen joints by 3 cm. Throws Error if the five are not
 /// found, fewer than three joints are the model's, the model lacks a joint or landmark that is needed, or the body stays farther
 /// from the surface than a person's can; else as BodyFitter::fit.
 DetectedJoints detect_joints(const Mesh &surface, const Mask &face_valid, const BodyModel &model,
