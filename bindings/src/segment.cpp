@@ -36,16 +36,19 @@ void bind_segment(py::module_ &m) {
   Class<SegmentInputs>(m, "SegmentInputs", "What a ClothSegmenter is given; only the surface is needed.")
       .def(py::init([](MeshSequence surface, Mask face_valid,
                        const std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> &canonical,
-                       const std::optional<Vertices> &colours, Eigen::VectorXd prior, Eigen::VectorXd gap) {
+                       const std::optional<Vertices> &colours, Eigen::VectorXd prior, Eigen::VectorXd gap,
+                       Eigen::VectorXi mirrored) {
              return SegmentInputs{std::move(surface),
                                   std::move(face_valid),
                                   canonical ? unstack(*canonical, "canonical") : std::vector<Vertices>(),
                                   colours.value_or(Vertices(0, 3)),
                                   std::move(prior),
-                                  std::move(gap)};
+                                  std::move(gap),
+                                  std::move(mirrored)};
            }),
            py::arg("surface"), py::arg_v("face_valid", Mask{}, "[]"), py::arg("canonical") = std::nullopt,
-           py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd(), py::arg("gap") = Eigen::VectorXd())
+           py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd(), py::arg("gap") = Eigen::VectorXd(),
+           py::arg("mirrored") = Eigen::VectorXi())
       .def_readwrite("surface", &SegmentInputs::surface, "MeshSequence as captured; the first frame is in the scan pose")
       .def_readwrite("face_valid", &SegmentInputs::face_valid, "(F) 0 = invented over a large hole; empty = all valid")
       .def_property(
@@ -59,11 +62,17 @@ void bind_segment(py::module_ &m) {
       .def_readwrite("prior", &SegmentInputs::prior, "(V) log odds of cloth before anything is seen (cloth_prior); or empty")
       .def_readwrite(
           "gap", &SegmentInputs::gap,
-          "(V) m, how far the scan stands off a body that fits into it (cloth_slack with it for the only frame); or empty");
+          "(V) m, how far the scan stands off a body that fits into it (cloth_slack with it for the only frame); or empty")
+      .def_readwrite("mirrored", &SegmentInputs::mirrored,
+                     "(V) the vertex on the body's other side (mirrored_vertices), -1 = none; or empty");
   m.def("cloth_prior", &cloth_prior, py::arg("actor"), py::arg("pose"), Release(),
         "(V) log odds of loose cloth by place on the body: below 0 on hands, feet, head, and what hangs on no trunk.");
   m.def("dressed_all_over", &dressed_all_over, py::arg("actor"), py::arg("pose"), Release(),
         "All is cloth but hands, feet, head and what hangs on no trunk: a body that is fitted to it is within the surface.");
+  m.def("possibly_dressed", &possibly_dressed, py::arg("actor"), py::arg("pose"), py::arg("found"), Release(),
+        "dressed_all_over without what was found to be skin with a probability of over 0.95.");
+  m.def("mirrored_vertices", &mirrored_vertices, py::arg("actor"), Release(),
+        "(V) the vertex at the same place of the body's other side, -1 = none.");
   Class<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: captured surface -> segmentation. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{}, "The built-in segmenter (Sect. 5).")

@@ -83,8 +83,10 @@ Eigen::VectorXd with_colours(const Surface &surface, const SegmentInputs &inputs
   return all;
 }
 
-/// The energy: vertex areas times log odds, and for each edge the length of border between its vertices.
-LabellingEnergy labelling_energy(const Surface &surface, const Eigen::VectorXd &odds, double border) {
+/// The energy: vertex areas times log odds, for each edge the length of border between its vertices, and for each vertex half its
+/// area times the log odds that it is what its mirrored one is, which has the other half.
+LabellingEnergy labelling_energy(const Surface &surface, const Eigen::VectorXd &odds, const Eigen::VectorXi &mirrored,
+                                 const SegmentOptions &options) {
   LabellingEnergy energy;
   energy.gain = surface.areas.cwiseProduct(odds);
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
@@ -94,9 +96,14 @@ LabellingEnergy labelling_energy(const Surface &surface, const Eigen::VectorXd &
       const int a = corners[k], b = corners[(k + 1) % 3];
       const Eigen::RowVector3d middle = 0.5 * (surface.vertices.row(a) + surface.vertices.row(b));
       energy.edges.emplace_back(a, b);
-      energy.cost.push_back(border * (centre - middle).norm());
+      energy.cost.push_back(options.border * (centre - middle).norm());
     }
   }
+  for (int v = 0; v < mirrored.size(); ++v)
+    if (mirrored[v] >= 0) {
+      energy.edges.emplace_back(v, mirrored[v]);
+      energy.cost.push_back(options.symmetry * surface.areas[v] / 2);
+    }
   return energy;
 }
 
@@ -132,7 +139,7 @@ Segmentation segmentation_of(const Mesh &pose, const SegmentInputs &inputs, cons
       odds += odds_of_gap(inputs.gap, options);
     if (options.colour > 0 && inputs.colours.rows() > 0)
       odds = with_colours(surface, inputs, odds, options);
-    const LabellingEnergy energy = labelling_energy(surface, odds, options.border);
+    const LabellingEnergy energy = labelling_energy(surface, odds, inputs.mirrored, options);
     result.clothness = smooth_labels(surface, lowest_labelling(energy), options.diffusion);
     result.probability = labelling_margins(energy, surface.areas, kSurest, kMarginSteps).unaryExpr([](double margin) {
       return probability(margin);
@@ -174,6 +181,11 @@ void require_inputs(const SegmentInputs &inputs) {
                                 " faces, found " + std::to_string(inputs.colours.rows()) + " in all");
   require_one_each(inputs.prior, frames.front().rows(), "prior", "log odds");
   require_one_each(inputs.gap, frames.front().rows(), "gap", "distances in m");
+  const Eigen::Index vertices = inputs.mirrored.size() > 0 ? frames.front().rows() : 0;
+  if (inputs.mirrored.size() != vertices || (inputs.mirrored.array() < -1).any() || (inputs.mirrored.array() >= vertices).any())
+    throw std::invalid_argument(
+        "segment: mirrored: expected a vertex or -1 for each of " + std::to_string(frames.front().rows()) + " vertices, found " +
+        (inputs.mirrored.size() == vertices ? "one that is not there" : std::to_string(inputs.mirrored.size())));
 }
 
 class OppositeRaySegmenter : public ClothSegmenter {
@@ -302,6 +314,7 @@ Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerform
                        cloth_prior(actor, segmentation_pose(actor, performance))};
   if (body.faces.rows() > 0)
     inputs.gap = cloth_slack(body, {actor.mesh.vertices}, context);
+  inputs.mirrored = mirrored_vertices(actor);
   if (!begins_in_scan_pose(actor.skeleton, performance)) {
     inputs.surface.frames.insert(inputs.surface.frames.begin(), actor.mesh.vertices);
     inputs.canonical.insert(inputs.canonical.begin(), actor.mesh.vertices);

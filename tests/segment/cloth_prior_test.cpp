@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 using namespace doublet;
 
 namespace {
@@ -59,4 +61,74 @@ TEST(ClothPrior, DressedAllOverIsSkinWhereNoGarmentIs) {
   EXPECT_EQ(dressed.clothness[skirt_person::vertex(12, 5)], 0); // the shank hangs on no trunk
   EXPECT_EQ(dressed.clothness[skirt_person::vertex(skirt_person::first_ring(0.8), 5)], 1);
   EXPECT_EQ(dressed.region[skirt_person::vertex(12, 5)], -1);
+}
+
+TEST(ClothPrior, WhatIsSurelySkinIsNotDressed) {
+  const skirt_person::Person person = person_on_a_leg();
+  Segmentation found = dressed_all_over(person.actor, person.actor.mesh);
+  EXPECT_THROW(possibly_dressed(person.actor, person.actor.mesh, found), std::invalid_argument); // without probabilities
+  found.probability = Eigen::VectorXd::Constant(found.clothness.size(), 0.2);
+  const int waist = skirt_person::vertex(skirt_person::first_ring(0.8), 5), chest = waist + 20 * skirt_person::kAround;
+  found.probability[waist] = 0.01;
+  const Segmentation dressed = possibly_dressed(person.actor, person.actor.mesh, found);
+  EXPECT_EQ(dressed.clothness[waist], 0);
+  EXPECT_EQ(dressed.region[waist], -1);
+  EXPECT_EQ(dressed.clothness[chest], 1);                       // in doubt
+  EXPECT_EQ(dressed.clothness[skirt_person::vertex(12, 5)], 0); // the shank hangs on no trunk
+}
+
+namespace {
+
+/// A figure that is scanned with its left arm raised and its left leg lifted.
+RiggedMesh figure_in_a_stance() {
+  const Skeleton standing = doublet::testing::figure_skeleton();
+  Eigen::VectorXd dofs = Eigen::VectorXd::Zero(standing.dof_count());
+  dofs[standing.joints[standing.find("l_shoulder")].first_dof + 2] = 0.6;
+  dofs[standing.joints[standing.find("l_hip")].first_dof] = -0.4;
+  std::vector<JointAnnotation> marks = joint_annotations(standing);
+  const Vertices joints = joint_positions(standing, forward_kinematics(standing, dofs));
+  for (std::size_t j = 0; j < marks.size(); ++j)
+    marks[j].position = joints.row(static_cast<Eigen::Index>(j));
+  RiggedMesh actor;
+  actor.mesh = doublet::testing::figure_surface(standing, dofs);
+  actor.skeleton = make_skeleton(marks);
+  actor.weights = doublet::testing::figure_weights(actor.mesh.vertices, actor.skeleton);
+  actor.face_valid.assign(actor.mesh.faces.rows(), 1);
+  return actor;
+}
+
+} // namespace
+
+TEST(MirroredVertices, LieBesideTheOtherSidesBonesWhateverTheStance) {
+  const RiggedMesh actor = figure_in_a_stance();
+  const Eigen::VectorXi mirrored = mirrored_vertices(actor);
+  const Skeleton &skeleton = actor.skeleton;
+  ASSERT_EQ(mirrored.size(), actor.mesh.vertices.rows());
+  EXPECT_GT((mirrored.array() >= 0).count(), 0.9 * static_cast<double>(mirrored.size()));
+  for (const auto &[from, to] : {std::pair{"l_elbow", "r_elbow"}, {"r_elbow", "l_elbow"}, {"l_knee", "r_knee"}}) {
+    const int a = skeleton.find(from), b = skeleton.find(to);
+    int checked = 0;
+    for (Eigen::Index v = 0; v < mirrored.size(); ++v) {
+      if (actor.weights(v, a) < 0.9 || mirrored[v] < 0)
+        continue;
+      ++checked;
+      EXPECT_GT(actor.weights(mirrored[v], b), 0.5);
+      EXPECT_NEAR((actor.mesh.vertices.row(v).transpose() - skeleton.joints[a].rest).norm(),
+                  (actor.mesh.vertices.row(mirrored[v]).transpose() - skeleton.joints[b].rest).norm(), 0.03);
+    }
+    EXPECT_GT(checked, 50) << from;
+  }
+}
+
+TEST(MirroredVertices, NoneWhereNoJointHasASideAndNoneOnInvalidFaces) {
+  RiggedMesh actor = figure_in_a_stance();
+  actor.face_valid.assign(actor.face_valid.size(), 0);
+  actor.face_valid[0] = 1;
+  const Eigen::RowVector3i seen = actor.mesh.faces.row(0);
+  for (const int v : mirrored_vertices(actor))
+    EXPECT_TRUE(v == -1 || (seen.array() == v).any());
+  actor = figure_in_a_stance();
+  for (Joint &joint : actor.skeleton.joints)
+    joint.name = "joint " + joint.name;
+  EXPECT_EQ(mirrored_vertices(actor).maxCoeff(), -1);
 }

@@ -197,6 +197,45 @@ TEST(Segment, WhatStandsOffTheBodyWithinIsClothThoughItMovesLittle) {
   EXPECT_EQ(cloth_between(segment_cloth(inputs), 0.33, 0.67), 1.0);
 }
 
+TEST(Segment, ASideThatTellsLittleGoesWithItsMirroredOne) {
+  SegmentInputs inputs{moving(0.3, 0.7, 0.001, 0.001)}; // nothing moves
+  const Vertices &pose = inputs.surface.frames[0];
+  SegmentOptions options;
+  options.border = 0;
+  const auto odds = [&](double left, double right) {
+    inputs.prior = Eigen::VectorXd::Constant(pose.rows(), -3);
+    for (Eigen::Index v = 0; v < pose.rows(); ++v)
+      if (pose(v, 1) > 0.3 && pose(v, 1) < 0.7)
+        inputs.prior[v] = 3 * std::log(3) + (pose(v, 0) > 0.02 ? left : right); // what the motion takes, and the odds
+  };
+  const auto cloth = [&](bool of_left) {
+    const Segmentation found = segment_cloth(inputs, options);
+    double sum = 0, count = 0;
+    for (Eigen::Index v = 0; v < pose.rows(); ++v)
+      if (pose(v, 1) > 0.35 && pose(v, 1) < 0.65 && (of_left ? pose(v, 0) > 0.05 : pose(v, 0) < -0.05)) {
+        sum += found.clothness[v] > 0.5;
+        count += 1;
+      }
+    return sum / count;
+  };
+  odds(2, -0.5);
+  EXPECT_EQ(cloth(true), 1);
+  EXPECT_EQ(cloth(false), 0);
+  inputs.mirrored = Eigen::VectorXi::Constant(pose.rows(), -1);
+  for (int i = 0; on_side(i); ++i)
+    inputs.mirrored[i] = i / tube::kAround * tube::kAround + (tube::kAround - i % tube::kAround) % tube::kAround;
+  EXPECT_EQ(cloth(true), 1);
+  EXPECT_EQ(cloth(false), 1);
+  odds(0.5, -2); // either way
+  EXPECT_EQ(cloth(true), 0);
+  odds(2, -2); // a garment of one side
+  EXPECT_EQ(cloth(true), 1);
+  EXPECT_EQ(cloth(false), 0);
+  odds(2, -0.5);
+  options.symmetry = 0;
+  EXPECT_EQ(cloth(false), 0);
+}
+
 TEST(Segment, SmallPatchesAreNotWorthTheirBorder) {
   const Mesh pose = still_tube();
   Eigen::VectorXd sigma = Eigen::VectorXd::Constant(pose.vertices.rows(), 0.001);
@@ -256,6 +295,13 @@ TEST(Segment, RejectsInputsThatDoNotBelongToTheSequence) {
   inputs.prior.resize(0);
   inputs.gap = Eigen::VectorXd::Constant(vertices, std::numeric_limits<double>::quiet_NaN());
   EXPECT_THROW(segment_cloth(inputs), std::invalid_argument);
+  inputs.gap.resize(0);
+  for (const Eigen::VectorXi &mirrored :
+       {Eigen::VectorXi::Constant(vertices, static_cast<int>(vertices)).eval(), Eigen::VectorXi::Constant(vertices, -2).eval(),
+        Eigen::VectorXi::Zero(vertices - 1).eval()}) {
+    inputs.mirrored = mirrored;
+    EXPECT_THROW(segment_cloth(inputs), std::invalid_argument);
+  }
 }
 
 TEST(Segment, WhatASeamCutsOffIsNoGarmentOfItsOwn) {

@@ -11,8 +11,18 @@ namespace doublet {
 /// mesh, Error if it is unusable.
 Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose);
 
+/// (V) the vertex at the same place of the body's other side, -1 where there is none within 5 cm that faces the same way: bones
+/// of joints "l_..." and "r_..." are mirrored onto each other, whatever the stance, others onto themselves. All -1 if no joint
+/// has a side. Throws as require_actor.
+Eigen::VectorXi mirrored_vertices(const RiggedMesh &actor);
+
 /// All is cloth but what surely is none (cloth_prior(): hands, feet, head, what hangs on no trunk): to a body that is fitted to
 /// it nothing else is skin, so that it is within the surface and where the body model expects it to be. Throws as cloth_prior().
 Segmentation dressed_all_over(const RiggedMesh &actor, const Mesh &pose);
+
+/// The same without what `found` has as surely skin, with a probability of cloth below 0.05: a body that is fitted to it lies in
+/// that skin and leaves the rest open. Throws as dressed_all_over(), std::invalid_argument if `found` has no probabilities or is
+/// of another mesh.
+Segmentation possibly_dressed(const RiggedMesh &actor, const Mesh &pose, const Segmentation &found);
 
 } // namespace doublet

@@ -17,10 +17,11 @@ namespace doublet {
 struct SegmentOptions {
   double even_odds = 3;
   double slope = 3;
-  double even_gap = 0.0068;
+  double even_gap = 0.0064;
   double gap_slope = 5;
   double colour = 3;
   double border = 0.12;
+  double symmetry = 1;
   double min_region_area = 0.08;
   double diffusion = 0.03;
   bool thresholds = false;
@@ -44,6 +45,9 @@ struct SegmentOptions {
                "With 0 no video is opened"),
         option(&O::border, "border", at_least(0), "m",
                "Cost of a metre of border, in square metres labelled against log odds of 1"),
+        option(&O::symmetry, "symmetry", at_least(0), "",
+               "Log odds that a place and its mirrored one are both cloth or both skin",
+               "Nearly all garments are symmetric; 0 = off"),
         option(&O::min_region_area, "min_region_area", at_least(0), "m^2",
                "Garments that touch are told apart by colour if each is at least this large", "28 x 28 cm, about a short sleeve"),
         option(&O::diffusion, "diffusion", at_least(0), "m", "Length scale of the diffusion of the clothness",
@@ -71,6 +75,7 @@ struct SegmentInputs {
   /// (V) m, how far the scan stands off a body that fits into it (cloth_slack with the scan for the only frame), or empty = not
   /// known.
   Eigen::VectorXd gap = {};
+  Eigen::VectorXi mirrored = {}; ///< (V) the vertex on the body's other side (mirrored_vertices), -1 = none; empty = not known
 };
 
 /// The swap point: captured surface in, what of it is cloth out.
