@@ -69,8 +69,6 @@ void bind_segment(py::module_ &m) {
         "(V) log odds of loose cloth by place on the body: below 0 on hands, feet, head, and what hangs on no trunk.");
   m.def("dressed_all_over", &dressed_all_over, py::arg("actor"), py::arg("pose"), Release(),
         "All is cloth but hands, feet, head and what hangs on no trunk: a body that is fitted to it is within the surface.");
-  m.def("possibly_dressed", &possibly_dressed, py::arg("actor"), py::arg("pose"), py::arg("found"), Release(),
-        "dressed_all_over without what was found to be skin with a probability of over 0.95.");
   m.def("mirrored_vertices", &mirrored_vertices, py::arg("actor"), Release(),
         "(V) the vertex at the same place of the body's other side, -1 = none.");
   Class<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: captured surface -> segmentation. Subclass to replace it.")

@@ -36,9 +36,10 @@ bool tells_of_clothes(Reconstruction &reconstruction, const Vertices &colours) {
   return false;
 }
 
-/// A body that fits into the surface where it is `dressed`; empty, and said so, where the model does not know the skeleton.
-Mesh body_within(Reconstruction &reconstruction, const Segmentation &dressed) {
+/// A body that fits into the surface wherever it may be dressed; empty, and said so, where the model does not know the skeleton.
+Mesh body_within(Reconstruction &reconstruction, const ReferencePerformance &performance) {
   const RiggedMesh &actor = reconstruction.results().actor();
+  const Segmentation dressed = dressed_all_over(actor, segmentation_pose(actor, performance));
   const auto model = BodyModel::read(reconstruction.options.body_model);
   try {
     return BodyFitter::create(reconstruction.options.body)
@@ -125,17 +126,10 @@ Json run_segment(Reconstruction &reconstruction) {
   const auto segmenter = ClothSegmenter::create(options.segment);
   const Vertices colours = options.segment.colour > 0 ? first_colours(reconstruction, performance) : Vertices(0, 3);
   const bool is_asked = options.segment.gap_slope > 0 && tells_of_clothes(reconstruction, colours);
-  const Mesh pose = segmentation_pose(actor, performance);
-  const auto segment = [&](const Mesh &body) {
-    return segment_performance(actor, performance, *segmenter, colours, body, reconstruction.context());
-  };
-  const Mesh body = is_asked ? body_within(reconstruction, dressed_all_over(actor, pose)) : Mesh();
-  Segmentation found = segment(body);
-  // The skin that is sure by now tells more exactly where the body is, and so how far the rest stands off it.
-  if (body.faces.rows() > 0 && found.probability.size() > 0)
-    if (const Mesh closer = body_within(reconstruction, possibly_dressed(actor, pose, found)); closer.faces.rows() > 0)
-      found = segment(closer);
+  const Mesh body = is_asked ? body_within(reconstruction, performance) : Mesh();
+  const Segmentation found = segment_performance(actor, performance, *segmenter, colours, body, reconstruction.context());
   const auto painted = read_segmentation_paint(reconstruction.out(), found.clothness.size());
+  const Mesh pose = segmentation_pose(actor, performance);
   const Segmentation result = corrected(reconstruction, pose, found, painted);
   write_segmentation(reconstruction.path("segmentation.npz"), result);
   const SegmentSummary summary = summarise_segmentation(pose, actor.face_valid, result);

@@ -16,7 +16,6 @@ using detail::Surface;
 constexpr double kExtremity = 5;
 constexpr double kUnattached = 4;
 constexpr double kSurelyNone = -2;
-constexpr double kSurelySkin = 0.05; // probability of cloth
 
 /// The joint that moves the end of a limb that ends at `leaf`: the leaf if it moves anything (a wrist), else its parent (the leaf
 /// only marks a fingertip).
@@ -62,17 +61,6 @@ Eigen::VectorXd unattached(const RiggedMesh &actor, const Surface &surface) {
   return some_attached ? result : Eigen::VectorXd::Zero(surface.size());
 }
 
-/// One region.
-Segmentation dressed_where(const Eigen::Array<bool, Eigen::Dynamic, 1> &dressed) {
-  const Eigen::Index vertices = dressed.size();
-  Segmentation result;
-  result.sigma = Eigen::VectorXd::Zero(vertices);
-  result.clothness = dressed.cast<double>();
-  result.region = dressed.select(Eigen::VectorXi::Zero(vertices).array(), -1);
-  result.region_count = 1;
-  return result;
-}
-
 } // namespace
 
 Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose) {
@@ -87,15 +75,13 @@ Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose) {
 }
 
 Segmentation dressed_all_over(const RiggedMesh &actor, const Mesh &pose) {
-  return dressed_where(cloth_prior(actor, pose).array() > kSurelyNone);
-}
-
-Segmentation possibly_dressed(const RiggedMesh &actor, const Mesh &pose, const Segmentation &found) {
   const Eigen::ArrayXd prior = cloth_prior(actor, pose).array();
-  if (found.probability.size() != prior.size())
-    throw std::invalid_argument("possibly_dressed: expected " + std::to_string(prior.size()) +
-                                " probabilities, one a vertex, found " + std::to_string(found.probability.size()));
-  return dressed_where(prior > kSurelyNone && found.probability.array() >= kSurelySkin);
+  Segmentation dressed;
+  dressed.sigma = Eigen::VectorXd::Zero(prior.size());
+  dressed.clothness = (prior > kSurelyNone).cast<double>();
+  dressed.region = (prior > kSurelyNone).select(Eigen::VectorXi::Zero(prior.size()).array(), -1);
+  dressed.region_count = 1;
+  return dressed;
 }
 
 } // namespace doublet

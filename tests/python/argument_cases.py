@@ -124,7 +124,6 @@ def calls(world, folder) -> dict:
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
         "cloth_prior": (d.cloth_prior, {"actor": w.actor, "pose": w.mesh}),
         "dressed_all_over": (d.dressed_all_over, {"actor": w.actor, "pose": w.mesh}),
-        "possibly_dressed": (d.possibly_dressed, {"actor": w.actor, "pose": w.mesh, "found": d.segment_cloth(sequence, valid)}),
         "mirrored_vertices": (d.mirrored_vertices, {"actor": w.actor}),
         "summarise_segmentation": (
             d.summarise_segmentation, {"pose": w.mesh, "face_valid": valid, "segmentation": w.segmentation},

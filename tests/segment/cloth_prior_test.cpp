@@ -63,20 +63,6 @@ TEST(ClothPrior, DressedAllOverIsSkinWhereNoGarmentIs) {
   EXPECT_EQ(dressed.region[skirt_person::vertex(12, 5)], -1);
 }
 
-TEST(ClothPrior, WhatIsSurelySkinIsNotDressed) {
-  const skirt_person::Person person = person_on_a_leg();
-  Segmentation found = dressed_all_over(person.actor, person.actor.mesh);
-  EXPECT_THROW(possibly_dressed(person.actor, person.actor.mesh, found), std::invalid_argument); // without probabilities
-  found.probability = Eigen::VectorXd::Constant(found.clothness.size(), 0.2);
-  const int waist = skirt_person::vertex(skirt_person::first_ring(0.8), 5), chest = waist + 20 * skirt_person::kAround;
-  found.probability[waist] = 0.01;
-  const Segmentation dressed = possibly_dressed(person.actor, person.actor.mesh, found);
-  EXPECT_EQ(dressed.clothness[waist], 0);
-  EXPECT_EQ(dressed.region[waist], -1);
-  EXPECT_EQ(dressed.clothness[chest], 1);                       // in doubt
-  EXPECT_EQ(dressed.clothness[skirt_person::vertex(12, 5)], 0); // the shank hangs on no trunk
-}
-
 namespace {
 
 /// A figure that is scanned with its left arm raised and its left leg lifted.

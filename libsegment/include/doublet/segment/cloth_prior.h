@@ -20,9 +20,4 @@ Eigen::VectorXi mirrored_vertices(const RiggedMesh &actor);
 /// it nothing else is skin, so that it is within the surface and where the body model expects it to be. Throws as cloth_prior().
 Segmentation dressed_all_over(const RiggedMesh &actor, const Mesh &pose);
 
-/// The same without what `found` has as surely skin, with a probability of cloth below 0.05: a body that is fitted to it lies in
-/// that skin and leaves the rest open. Throws as dressed_all_over(), std::invalid_argument if `found` has no probabilities or is
-/// of another mesh.
-Segmentation possibly_dressed(const RiggedMesh &actor, const Mesh &pose, const Segmentation &found);
-
 } // namespace doublet

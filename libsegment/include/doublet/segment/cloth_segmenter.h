@@ -17,7 +17,7 @@ namespace doublet {
 struct SegmentOptions {
   double even_odds = 3;
   double slope = 3;
-  double even_gap = 0.0064;
+  double even_gap = 0.0068;
   double gap_slope = 5;
   double colour = 3;
   double border = 0.12;
