@@ -59,3 +59,7 @@ HISTORY = re.compile(
 @pytest.mark.parametrize("page", [*PAGES, "../README.md"])
 def test_a_page_says_what_is_true_now(page):
     assert [m[0] for m in HISTORY.finditer((tables.DOCS / page).read_text(encoding="utf-8"))] == []
+
+
+def test_the_results_fit_on_one_page():
+    assert PAGES["results.md"].count("\n") <= 150

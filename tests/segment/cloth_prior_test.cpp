@@ -114,6 +114,9 @@ TEST(MirroredVertices, NoneWhereNoJointHasASideAndNoneOnInvalidFaces) {
   for (const int v : mirrored_vertices(actor))
     EXPECT_TRUE(v == -1 || (seen.array() == v).any());
   actor = figure_in_a_stance();
+  for (Joint &joint : actor.skeleton.joints) // bones without a length
+    joint.rest = actor.skeleton.joints[0].rest;
+  EXPECT_EQ(mirrored_vertices(actor).size(), actor.mesh.vertices.rows());
   for (Joint &joint : actor.skeleton.joints)
     joint.name = "joint " + joint.name;
   EXPECT_EQ(mirrored_vertices(actor).maxCoeff(), -1);

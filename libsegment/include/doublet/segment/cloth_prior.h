@@ -13,7 +13,7 @@ Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose);
 
 /// (V) the vertex at the same place of the body's other side, -1 where there is none within 5 cm that faces the same way: bones
 /// of joints "l_..." and "r_..." are mirrored onto each other, whatever the stance, others onto themselves. All -1 if no joint
-/// has a side. Throws as require_actor.
+/// has a side. Throws as require_actor, Error if no face is valid.
 Eigen::VectorXi mirrored_vertices(const RiggedMesh &actor);
 
 /// All is cloth but what surely is none (cloth_prior(): hands, feet, head, what hangs on no trunk): to a body that is fitted to
