@@ -34,15 +34,13 @@ Eigen::Vector3d to_the_left(const Skeleton &skeleton, const std::vector<int> &ot
   return sum.normalized();
 }
 
-/// Along the bone that begins at a joint, or, where a limb ends, along the one that leads to it; up where neither has a length.
+/// Along the bone that begins at a joint, or, where a limb ends, along the one that leads to it; 0 turns nothing.
 Eigen::Vector3d bone_of(const Skeleton &skeleton, int joint) {
-  constexpr double kShortest = 1e-3; // m
   const Joint &at = skeleton.joints[joint];
   for (const Joint &child : skeleton.joints)
-    if (child.parent == joint && (child.rest - at.rest).norm() > kShortest)
+    if (child.parent == joint)
       return child.rest - at.rest;
-  const Eigen::Vector3d from = at.parent < 0 ? at.rest : skeleton.joints[at.parent].rest;
-  return (at.rest - from).norm() > kShortest ? Eigen::Vector3d(at.rest - from) : Eigen::Vector3d(0, 1, 0);
+  return at.parent < 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(at.rest - skeleton.joints[at.parent].rest);
 }
 
 /// (J) what carries a point beside a bone to the same place beside the bone of the other side.
