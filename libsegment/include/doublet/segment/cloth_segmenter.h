@@ -88,8 +88,9 @@ public:
   virtual Segmentation segment(const SegmentInputs &inputs, const Context &context) const = 0;
   /// The minimum of one energy over skin and cloth: for each vertex its area times the log odds of cloth, from the prior, from
   /// how much its distance to the opposite side varies (eq. 1) in units of what the stillest tenth of the surface does, from how
-  /// far it stands off a body within, and from its colour; for each edge the length of border it stands for. What skin and cloth
-  /// look like is learnt from the surface itself. Segmentation::probability is the margin of the minimum as a probability.
+  /// far it stands off a body within, and from its colour; for each edge the length of border it stands for; for each place that
+  /// is not what its mirrored one is, its area. What skin and cloth look like is learnt from the surface itself.
+  /// Segmentation::probability is the margin of the minimum as a probability.
   static std::unique_ptr<ClothSegmenter> create(const SegmentOptions &options = {});
 };
 
@@ -101,9 +102,9 @@ Segmentation segment_cloth(const SegmentInputs &inputs, const SegmentOptions &op
 Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &performance);
 
 /// The whole stage for a captured performance: its frames are brought back to the scan pose, too (canonical_frames), after
-/// segmentation_pose() if that is none of them; the prior is cloth_prior(); `colours` as SegmentInputs::colours of the first
-/// captured frame, `body` one that fits into the actor's surface (as BodyFitter fits it to dressed_all_over()), or both empty.
-/// `segmenter` is asked. Throws as these do.
+/// segmentation_pose() if that is none of them; the prior is cloth_prior(), mirrored places are mirrored_vertices(); `colours` as
+/// SegmentInputs::colours of the first captured frame, `body` one that fits into the actor's surface (as BodyFitter fits it to
+/// dressed_all_over()), or both empty. `segmenter` is asked. Throws as these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3), const Mesh &body = {},
                                  const Context &context = {});
