@@ -57,14 +57,9 @@ void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<
 /// Where the limb that a bone belongs to leaves the trunk: the first joint of its chain. -1 for bones of the trunk. children:
 /// of the skeleton, child_counts().
 int limb_root(const Skeleton &skeleton, const std::vector<int> &children, const Bone &bone) {
-  const auto only_child = [&](int joint) {
-    const auto child =
-        std::find_if(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
-    return static_cast<int>(child - skeleton.joints.begin());
-  };
   int end = bone.joint;
   while (children[end] == 1)
-    end = only_child(end);
+    end = first_child(skeleton, end);
   if (children[end] != 0)
     return -1;
   int root = bone.joint;

@@ -147,11 +147,8 @@ Bones bones_at(const Skeleton &skeleton, int joint) {
   Bones bones;
   if (j.parent >= 0)
     bones.in = direction(j.rest - skeleton.joints[j.parent].rest);
-  for (const Joint &child : skeleton.joints)
-    if (child.parent == joint) {
-      bones.out = direction(child.rest - j.rest);
-      break;
-    }
+  if (const int child = first_child(skeleton, joint); child >= 0)
+    bones.out = direction(skeleton.joints[child].rest - j.rest);
   if (bones.out.isZero())
     bones.out = bones.in;
   if (bones.in.isZero())
@@ -314,7 +311,7 @@ std::vector<JointAnnotation> joint_annotations(const Skeleton &skeleton) {
 }
 
 bool Skeleton::is_leaf(int joint) const {
-  return std::none_of(joints.begin(), joints.end(), [&](const Joint &other) { return other.parent == joint; });
+  return first_child(*this, joint) < 0;
 }
 
 std::vector<int> child_counts(const Skeleton &skeleton) {
@@ -323,6 +320,12 @@ std::vector<int> child_counts(const Skeleton &skeleton) {
     if (joint.parent >= 0)
       ++counts[joint.parent];
   return counts;
+}
+
+int first_child(const Skeleton &skeleton, int joint) {
+  const auto found =
+      std::find_if(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &child) { return child.parent == joint; });
+  return found == skeleton.joints.end() ? -1 : static_cast<int>(found - skeleton.joints.begin());
 }
 
 int Skeleton::find(const std::string &name) const {

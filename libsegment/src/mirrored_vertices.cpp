@@ -1,3 +1,4 @@
+#include "doublet/core/parts/skeleton_tree.h"
 #include "doublet/rays/ray_scene.h"
 #include "doublet/segment/cloth_prior.h"
 
@@ -37,9 +38,8 @@ Eigen::Vector3d to_the_left(const Skeleton &skeleton, const std::vector<int> &ot
 /// Along the bone that begins at a joint, or, where a limb ends, along the one that leads to it; 0 turns nothing.
 Eigen::Vector3d bone_of(const Skeleton &skeleton, int joint) {
   const Joint &at = skeleton.joints[joint];
-  for (const Joint &child : skeleton.joints)
-    if (child.parent == joint)
-      return child.rest - at.rest;
+  if (const int child = first_child(skeleton, joint); child >= 0)
+    return skeleton.joints[child].rest - at.rest;
   return at.parent < 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(at.rest - skeleton.joints[at.parent].rest);
 }
 

@@ -78,6 +78,9 @@ TEST(Skeleton, LimbsLeaveTheTrunkWhereAJointHasSeveralChildren) {
   EXPECT_EQ(all, s.joint_count() - 1); // all but the root
   EXPECT_EQ(children[s.find("l_knee")], 1);
   EXPECT_EQ(children[0], 3); // two legs and the spine
+  EXPECT_EQ(first_child(s, s.find("l_knee")), s.find("l_ankle"));
+  EXPECT_EQ(s.joints[first_child(s, 0)].parent, 0);
+  EXPECT_EQ(first_child(s, s.find("l_hand")), -1);
 }
 
 TEST(Skeleton, SortsParentsFirstWhateverTheOrder) {

@@ -1,5 +1,7 @@
 #include "backward_hinges.h"
 
+#include "doublet/core/parts/skeleton_tree.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -11,15 +13,9 @@ namespace {
 
 constexpr double kBackwards = 3 * std::numbers::pi / 180; // marks of joints are not exact
 
-const Joint *first_child(const Skeleton &skeleton, int joint) {
-  const auto found =
-      std::find_if(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &child) { return child.parent == joint; });
-  return found == skeleton.joints.end() ? nullptr : &*found;
-}
-
 bool is_flexion(const Skeleton &skeleton, int joint) {
   const Joint &hinge = skeleton.joints[joint];
-  return first_child(skeleton, joint) && hinge.kind == JointKind::Hinges &&
+  return first_child(skeleton, joint) >= 0 && hinge.kind == JointKind::Hinges &&
          skeleton.dof_names[hinge.first_dof] == hinge.name + ".flex" && hinge.parent >= 0 &&
          skeleton.joints[hinge.parent].kind == JointKind::Ball;
 }
@@ -28,7 +24,7 @@ bool is_flexion(const Skeleton &skeleton, int joint) {
 double bend_at_rest(const Skeleton &skeleton, int joint) {
   const Joint &hinge = skeleton.joints[joint];
   const Eigen::Vector3d in = hinge.rest - skeleton.joints[hinge.parent].rest,
-                        out = first_child(skeleton, joint)->rest - hinge.rest;
+                        out = skeleton.joints[first_child(skeleton, joint)].rest - hinge.rest;
   return std::atan2(hinge.axes[0].dot(in.cross(out)), in.dot(out));
 }
 
