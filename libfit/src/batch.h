@@ -22,8 +22,8 @@ public:
 
 private:
   void check(const std::vector<std::vector<pbd::Material>> &materials) const;
-  std::vector<Group> split(std::span<Rollout> rollouts, const Window &window, int threads) const;
-  void run_groups(std::span<Group> groups, const Context &context) const;
+  std::vector<Group> split(std::span<Rollout> rollouts, const Window &window) const;
+  void run_together(std::span<Group> groups, const Context &context) const;
 
   const ObservedFrames &observed_;
   const FrameEnergy &energy_;

@@ -92,6 +92,10 @@ const LaneKernels *fastest_kernels(int samples) {
 
 } // namespace
 
+int lanes_for(int samples) {
+  return fastest_kernels(samples)->lanes;
+}
+
 std::vector<int> ClothTopology::region_of_faces() const {
   std::vector<int> result(face_is_cloth.size(), kNoCloth);
   std::size_t next = 0; // the faces of the cloth are in the order of M

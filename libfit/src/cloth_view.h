@@ -82,6 +82,9 @@ struct LocatedFeatures {
   std::vector<float> weight;         ///< [count][3][lanes] of the corners, sum not 1
 };
 
+/// Of the kernels that a ClothView of so many samples takes.
+int lanes_for(int samples);
+
 /// The cloth of several samples as one camera sees it at one frame, a sample in each lane. A lane's results do not depend on the
 /// others. Reused from frame to frame, so that nothing is allocated in the loop.
 class ClothView {

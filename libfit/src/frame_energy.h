@@ -5,6 +5,7 @@
 #include "observed_frames.h"
 
 #include <span>
+#include <utility>
 
 namespace doublet::fit {
 
@@ -17,28 +18,37 @@ struct Rollout {
   Terms *terms = nullptr;             ///< of the sample
 };
 
+/// A group of rollouts at one frame, as it is measured.
+struct Snapshot {
+  std::vector<float> positions;       ///< [D][3][lanes] world, m
+  std::vector<std::uint8_t> exploded; ///< [S][R]
+};
+
 /// What measures a group of rollouts, one in each lane.
 struct Measure {
   Stopwatch watch;
+  std::vector<Terms *> terms; ///< [S] of the samples
   ClothView view;
   std::vector<LocatedFeatures> located;    ///< [cameras]
   std::vector<std::vector<float>> largest; ///< [cameras][located features] what each costs at most, pixels^2
   std::vector<Rim> rims;
   std::vector<float> squared; ///< of contour points, pixels^2
-  Measure(const ClothTopology &topology, std::size_t samples, std::size_t cameras)
-      : view(topology, static_cast<int>(samples)), located(cameras), largest(cameras) {}
+  Measure(const ClothTopology &topology, std::vector<Terms *> samples, std::size_t cameras)
+      : terms(std::move(samples)), view(topology, static_cast<int>(terms.size())), located(cameras), largest(cameras) {}
 };
 
 class FrameEnergy {
 public:
   explicit FrameEnergy(const ObservedFrames &frames) : observed_(frames) {}
 
-  /// The cloth of all samples into the lanes of the view.
-  void place(std::span<Rollout> group, int t, ClothView &view) const;
-  /// The features alone, of a frame that does not count.
-  void find(std::span<Rollout> group, int t, Measure &measure) const;
-  /// What is in the view, into the terms of the group.
-  void measure(std::span<Rollout> group, int t, Measure &measure) const;
+  /// Room for a group of so many samples.
+  Snapshot snapshot(int samples) const;
+  /// Rollouts [first, first + some.size()) of a group; those that end it fill the lanes beyond, too.
+  void take(std::span<const Rollout> some, int first, int t, Snapshot &snapshot) const;
+  /// Where the features of a frame lie, for measuring the next.
+  void find(const Snapshot &snapshot, int t, Measure &measure) const;
+  /// Into the terms of the samples.
+  void measure(const Snapshot &snapshot, int t, Measure &measure) const;
   /// Surfaces in the place of a simulation: one sample that never explodes.
   Terms surface_terms(const std::vector<Vertices> &surfaces) const;
   /// Eq. (8): each term over the frames in which there is something to compare.
@@ -47,13 +57,14 @@ public:
   std::vector<double> mean(const Terms &terms) const;
 
 private:
-  void measure_rims(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
-  void measure_contour(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
-  void measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
-  void measure_surface(std::span<Rollout> group, int t, Measure &measure) const;
+  void measure_view(int t, Measure &measure) const;
+  void measure_rims(int t, std::size_t c, Measure &measure) const;
+  void measure_contour(int t, std::size_t c, Measure &measure) const;
+  void measure_features(int t, std::size_t c, Measure &measure) const;
+  void measure_surface(int t, Measure &measure) const;
   void locate(int t, std::size_t c, Measure &measure) const;
   void place_missed(const CapturedFeatures &features, LocatedFeatures &located, int lanes) const;
-  void finish(Rollout &rollout, int t) const;
+  void finish(Terms &sample, const std::uint8_t *exploded, int t) const;
 
   const ObservedFrames &observed_;
 };

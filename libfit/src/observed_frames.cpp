@@ -8,7 +8,8 @@
 namespace doublet::fit {
 namespace {
 
-constexpr int kEveryFrame = 4; // has a captured shape: the frames between tell the same
+constexpr int kFramesPerChunk = 32; // between two polls for cancellation
+constexpr int kEveryFrame = 4;      // has a captured shape: the frames between tell the same
 
 struct Box {
   float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;

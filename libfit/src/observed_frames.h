@@ -21,8 +21,6 @@ struct FrameView {
 
 using Terms = std::vector<std::vector<FrameTerms>>; ///< [R][T]
 
-constexpr int kFramesPerChunk = 32; // between two polls for cancellation
-
 class ObservedFrames {
 public:
   /// `models`: the character at each width, of one mesh. `frame_seconds`: between two frames. `starts`: frames before

@@ -1,6 +1,7 @@
 #include "rollouts.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace doublet::fit {
 
@@ -93,20 +94,20 @@ CharacterState Rollouts::state_at(const CharacterSimulator &simulator, int start
   return state;
 }
 
-void Rollouts::start(Group &group) const {
+void Rollouts::start(const Window &window, std::span<Rollout> some) const {
   Stopwatch watch;
-  for (Rollout &rollout : group.rollouts) {
-    rollout.state = group.window->states.front();
+  for (Rollout &rollout : some) {
+    rollout.state = window.states.front();
     for (int r = 0; r < observed_.regions(); ++r)
-      rollout.state.regions[r] = group.window->states[rollout.widths[r]].regions[r];
+      rollout.state.regions[r] = window.states[rollout.widths[r]].regions[r];
     rollout.exploded.assign(observed_.regions(), 0);
   }
-  if (group.window->start == 0) {
+  if (window.start == 0) {
     for (std::size_t i = 1; i < observed_.lead_in_poses.size(); ++i)
-      step(group.rollouts, observed_.lead_in_poses[i - 1], observed_.lead_in_poses[i], true);
+      step(some, observed_.lead_in_poses[i - 1], observed_.lead_in_poses[i], true);
     for (int i = 0; i < observed_.options.settle_frames; ++i)
-      step(group.rollouts, observed_.frames[0], observed_.frames[0], true);
-    for (Rollout &rollout : group.rollouts)
+      step(some, observed_.frames[0], observed_.frames[0], true);
+    for (Rollout &rollout : some)
       for (pbd::ClothState &region : rollout.state.regions)
         region.velocities.setZero();
   }
@@ -114,25 +115,32 @@ void Rollouts::start(Group &group) const {
   times_.add(watch);
 }
 
-void Rollouts::advance(Group &group, int from, int to) const {
+void Rollouts::advance(Group &group, int first, int count) const {
+  Stopwatch watch;
+  const std::span<Rollout> some = group.rollouts.subspan(first, count);
+  for (int t = group.simulated.from; t < group.simulated.to; ++t) {
+    if (t > group.window->start)
+      step(some, observed_.frames[t - 1], observed_.frames[t], false);
+    for (Rollout &rollout : some)
+      check_explosion(rollout, observed_.frames[t]);
+    energy_.take(some, first, t, group.simulated.at(t));
+  }
+  watch.lap(&EnergyTimes::simulate);
+  times_.add(watch);
+}
+
+void Rollouts::measure(const Group &group, int from, int to) const {
+  from = std::max(from, group.window->first);
   if (from >= to)
     return;
-  const std::span<Rollout> rollouts = group.rollouts;
-  Measure tools(observed_.topology, rollouts.size(), observed_.cameras.size());
-  if (from > group.window->start && from >= group.window->first)
-    energy_.find(rollouts, from - 1, tools);
-  for (int t = from; t < to; ++t) {
-    if (t > group.window->start)
-      step(rollouts, observed_.frames[t - 1], observed_.frames[t], false);
-    for (Rollout &rollout : rollouts)
-      check_explosion(rollout, observed_.frames[t]);
-    tools.watch.lap(&EnergyTimes::simulate);
-    if (t >= group.window->first) {
-      energy_.place(rollouts, t, tools.view);
-      energy_.measure(rollouts, t, tools);
-    } else if (t + 1 == group.window->first)
-      energy_.find(rollouts, t, tools);
-  }
+  std::vector<Terms *> terms;
+  for (const Rollout &rollout : group.rollouts)
+    terms.push_back(rollout.terms);
+  Measure tools(observed_.topology, std::move(terms), observed_.cameras.size());
+  if (from > group.window->start)
+    energy_.find(group.measured.at(from - 1), from - 1, tools);
+  for (int t = from; t < to; ++t)
+    energy_.measure(group.measured.at(t), t, tools);
   times_.add(tools.watch);
 }
 

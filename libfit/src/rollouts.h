@@ -1,5 +1,5 @@
 #pragma once
-// The simulation of groups of samples through a motion, or through windows of it, measured frame by frame.
+// The simulation of groups of samples through a motion, or through windows of it, and what its frames cost.
 
 #include "frame_energy.h"
 
@@ -12,10 +12,19 @@ struct Window {
   std::vector<CharacterState> states; ///< at the start, [widths]
 };
 
-/// Rollouts that go through a window side by side.
+/// Frames of a group, between simulation and measurement.
+struct Recording {
+  int from = 0, to = 0;            ///< frames
+  std::vector<Snapshot> snapshots; ///< of the frame before `from`, then of [from, to)
+  const Snapshot &at(int t) const { return snapshots[t - from + 1]; }
+  Snapshot &at(int t) { return snapshots[t - from + 1]; }
+};
+
+/// Rollouts that go through a window together. Any part of them may be simulated at a time; they are measured side by side.
 struct Group {
   const Window *window;
   std::span<Rollout> rollouts;
+  Recording simulated, measured; ///< the frames that are simulated now, and those before
 };
 
 /// The windows (start, first and end alone) that the options cut so many frames into.
@@ -28,9 +37,11 @@ public:
   /// The state at the start of a window, at every width: that of the captured surface, at the speed that it has there; at rest at
   /// the first frame of the motion.
   std::vector<CharacterState> states_at(int start, const MeshSequence &surface) const;
-  void start(Group &group) const;
-  /// Simulates frames [from, to) of the window, and measures those that count.
-  void advance(Group &group, int from, int to) const;
+  void start(const Window &window, std::span<Rollout> some) const;
+  /// Simulates rollouts [first, first + count) of the group through the frames of `simulated`.
+  void advance(Group &group, int first, int count) const;
+  /// Measures those of frames [from, to) that count, out of `measured`.
+  void measure(const Group &group, int from, int to) const;
 
 private:
   CharacterState state_at(const CharacterSimulator &simulator, int start, const MeshSequence &surface) const;

@@ -70,17 +70,24 @@ TEST(MaterialObjective, FeaturesAreExactAtTheTruth) {
 }
 
 TEST(MaterialObjective, SameEnergyForAnyNumberOfThreadsAndAnyCompany) {
-  MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt);
-  NormalGenerator random(1);
-  MatrixRM samples(5, 5);
-  for (Eigen::Index i = 0; i < samples.size(); ++i)
-    samples.data()[i] = random.uniform();
-  Context one, two;
-  one.threads = 1;
-  two.threads = 2;
-  const MatrixRM expected = objective.evaluate(samples, one);
-  EXPECT_EQ(objective.evaluate(samples, two), expected);
-  EXPECT_EQ(objective.evaluate(samples.row(3), two)(0, 0), expected(3, 0));
+  EnergyOptions windows;
+  windows.window = 8;
+  windows.window_lead = 4;
+  for (const EnergyOptions &options : {EnergyOptions{}, windows}) {
+    MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt, options);
+    NormalGenerator random(1);
+    MatrixRM samples(19, 5); // two groups
+    for (Eigen::Index i = 0; i < samples.size(); ++i)
+      samples.data()[i] = random.uniform();
+    Context context;
+    context.threads = 1;
+    const MatrixRM expected = objective.evaluate(samples, context);
+    for (int threads : {2, 7}) {
+      context.threads = threads;
+      EXPECT_EQ(objective.evaluate(samples, context), expected) << threads;
+    }
+    EXPECT_EQ(objective.evaluate(samples.row(3), context)(0, 0), expected(3, 0));
+  }
 }
 
 TEST(MaterialObjective, WindowsStartFromTheCapturedSurface) {
