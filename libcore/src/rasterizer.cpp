@@ -1,5 +1,7 @@
 #include "doublet/core/rasterizer.h"
 
+#include "draw_face.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -11,15 +13,10 @@ namespace doublet {
 
 namespace {
 
-constexpr double kNear = 0.05;     // m
-constexpr int kSubpixelBits = 10;  // corners are rounded to 1/1024 pixel, so that edge functions are exact in integers
-constexpr double kFarOut = 524288; // pixels: larger coordinates would overflow the edge functions
+using detail::ScreenVertex, detail::floor_pixel, detail::ceil_pixel, detail::kSubpixelBits;
 
-struct ScreenVertex {
-  std::int64_t x = 0, y = 0; ///< pixel * 2^kSubpixelBits
-  double inverse_depth = 0;
-  bool drawable = false;
-};
+constexpr double kNear = 0.05;     // m
+constexpr double kFarOut = 524288; // pixels: larger coordinates would overflow the edge functions
 
 /// Beyond this squared radius (normalised image plane) the radial distortion polynomial folds back into the image.
 double fold_radius_squared(const Camera &camera) {
@@ -62,63 +59,6 @@ std::vector<ScreenVertex> project_all(const Vertices &vertices, const Camera &ca
   return out;
 }
 
-/// Twice the signed area of (a, b, p); positive on one side of a -> b. Steps in x and y are constant.
-struct EdgeFunction {
-  std::int64_t value, step_x, step_y;
-  EdgeFunction(const ScreenVertex &a, const ScreenVertex &b, std::int64_t px, std::int64_t py)
-      : value((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)), step_x(-((b.y - a.y) << kSubpixelBits)),
-        step_y((b.x - a.x) << kSubpixelBits) {}
-  /// A sample exactly on a shared edge belongs to one of the two faces: the one for which the edge is a top or left one.
-  std::int64_t tie_bias(const ScreenVertex &a, const ScreenVertex &b) const {
-    const bool top_left = (b.y - a.y) < 0 || (b.y == a.y && b.x > a.x);
-    return top_left ? 0 : -1;
-  }
-};
-
-int floor_pixel(std::int64_t v) {
-  return static_cast<int>(v >> kSubpixelBits);
-}
-int ceil_pixel(std::int64_t v) {
-  return static_cast<int>((v + (1 << kSubpixelBits) - 1) >> kSubpixelBits);
-}
-
-void draw(FaceBuffer &buffer, int f, ScreenVertex a, ScreenVertex b, ScreenVertex c) {
-  // Most faces of a small picture hold no pixel's centre and end here.
-  const int x0 = std::max(0, ceil_pixel(std::min({a.x, b.x, c.x})));
-  const int x1 = std::min(buffer.width - 1, floor_pixel(std::max({a.x, b.x, c.x})));
-  const int y0 = std::max(0, ceil_pixel(std::min({a.y, b.y, c.y})));
-  const int y1 = std::min(buffer.height - 1, floor_pixel(std::max({a.y, b.y, c.y})));
-  if (x0 > x1 || y0 > y1)
-    return;
-  std::int64_t area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  if (area == 0)
-    return;
-  if (area < 0) {
-    std::swap(b, c);
-    area = -area;
-  }
-  const std::int64_t px = static_cast<std::int64_t>(x0) << kSubpixelBits, py = static_cast<std::int64_t>(y0) << kSubpixelBits;
-  EdgeFunction ea(b, c, px, py), eb(c, a, px, py), ec(a, b, px, py);
-  const std::int64_t bias_a = ea.tie_bias(b, c), bias_b = eb.tie_bias(c, a), bias_c = ec.tie_bias(a, b);
-  const double wa = a.inverse_depth / area, wb = b.inverse_depth / area, wc = c.inverse_depth / area;
-  float *depths = buffer.depth.data();
-  int *faces = buffer.face.data();
-  for (int y = y0; y <= y1; ++y, ea.value += ea.step_y, eb.value += eb.step_y, ec.value += ec.step_y) {
-    std::int64_t va = ea.value, vb = eb.value, vc = ec.value;
-    const std::size_t row = static_cast<std::size_t>(y) * buffer.width;
-    for (int x = x0; x <= x1; ++x, va += ea.step_x, vb += eb.step_x, vc += ec.step_x) {
-      if (((va + bias_a) | (vb + bias_b) | (vc + bias_c)) < 0)
-        continue;
-      // 1/z is linear in the image.
-      const float depth = static_cast<float>(1 / (wa * va + wb * vb + wc * vc));
-      if (depth < depths[row + x]) {
-        depths[row + x] = depth;
-        faces[row + x] = f;
-      }
-    }
-  }
-}
-
 void require_drawable(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid) {
   if (camera.width <= 0 || camera.height <= 0)
     throw std::invalid_argument("rasterize: camera '" + camera.name + "' has no image size");
@@ -141,7 +81,7 @@ FaceBuffer drawn(const std::vector<ScreenVertex> &screen, const Faces &faces, co
       continue;
     const ScreenVertex &a = screen[faces(f, 0)], &b = screen[faces(f, 1)], &c = screen[faces(f, 2)];
     if (a.drawable && b.drawable && c.drawable)
-      draw(buffer, f, a, b, c);
+      detail::draw_face(buffer, f, a, b, c);
   }
   return buffer;
 }

@@ -1,10 +1,15 @@
 #include "doublet/core/rasterizer.h"
 
+#include "../../libcore/src/draw_face.h"
 #include "support/figure.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <random>
 
 namespace doublet {
 
@@ -98,6 +103,34 @@ TEST(Rasterizer, AWindowIsThePartOfTheWholeThatHoldsTheActor) {
   Camera away = apart;
   away.t.x() += 100;
   EXPECT_EQ(rasterize_window(body.vertices, body.faces, away).buffer.width, 0);
+}
+
+TEST(Rasterizer, FourPixelsAtATimeAreTheSameBits) {
+  std::mt19937 random(1);
+  for (const auto &[width, height] : {std::pair{61, 47}, {3, 5}, {4, 1}})
+    for (const double size : {2.0, 12.0, 200.0, 20000.0}) { // pixels; the largest do not fit a double
+      const auto empty = [&, w = width, h = height] {
+        FaceBuffer buffer;
+        buffer.width = w, buffer.height = h;
+        buffer.face.assign(static_cast<std::size_t>(w) * h, -1);
+        buffer.depth.assign(buffer.face.size(), std::numeric_limits<float>::infinity());
+        return buffer;
+      };
+      FaceBuffer fast = empty(), plain = empty();
+      std::uniform_real_distribution<double> across(-size, size), share(0, 1);
+      for (int f = 0; f < 300; ++f) {
+        const double x = share(random) * width, y = share(random) * height;
+        std::array<detail::ScreenVertex, 3> corner;
+        const auto placed = [&](double pixel) { return f % 3 ? std::llround(pixel * 1024) : std::llround(pixel) * 1024; };
+        for (detail::ScreenVertex &c : corner) // every third face has its corners on pixels' centres
+          c = {placed(x + across(random)), placed(y + across(random)), 0.2 + share(random), true};
+        detail::draw_face(fast, f, corner[0], corner[1], corner[2]);
+        detail::draw_face_plainly(plain, f, corner[0], corner[1], corner[2]);
+      }
+      EXPECT_EQ(fast.face, plain.face) << width << " " << size;
+      EXPECT_EQ(fast.depth, plain.depth) << width << " " << size;
+      EXPECT_GT(*std::max_element(plain.face.begin(), plain.face.end()), 0) << width << " " << size;
+    }
 }
 
 TEST(Rasterizer, DepthIsPerspectiveCorrectAndNearestWins) {
