@@ -71,7 +71,11 @@ private:
     for (const CapsuleMotion<T> &motion : capsules)
       harmless = lane_min(harmless, harmless_length(model, motion.end));
     for (int first = 0; first < model.edge_count; first += kSide<T>) {
-      const int *const a = model.edge_ends[0] + first, *const b = model.edge_ends[1] + first;
+      int a[kSide<T>], b[kSide<T>];
+      for (int l = 0; l < kSide<T>; ++l) { // behind the last edge its lists hold no vertices
+        const int edge = first + l < model.edge_count ? first + l : first;
+        a[l] = model.edge_ends[0][edge], b[l] = model.edge_ends[1][edge];
+      }
       const Vec3<S> along = points_at<T>(x.data(), a) - points_at<T>(x.data(), b);
       const S length = S(kLongerYet) * lane_sqrt(dot(along, along));
       const auto matters = length > S(harmless);
