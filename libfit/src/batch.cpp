@@ -12,6 +12,8 @@ namespace {
 constexpr int kLargestGroup = 16;                  // samples that are simulated and measured side by side
 constexpr int kSmallestPart = 4;                   // of a group, below which it is not worth a thread of its own
 constexpr int kFirstRound = 8, kLongestRound = 32; // frames; short while there is nothing to measure yet
+constexpr int kFewestMeasured = 4;                 // frames at a time: each time looks features up in the frame before once more
+constexpr int kPieces = 4;                         // of what there is to measure, for each thread beside one that simulates
 
 using Jobs = std::vector<std::function<void()>>;
 
@@ -85,7 +87,7 @@ void Batch::run_together(std::span<Group> groups, const Context &context) const 
                   [&](int first, int end) { rollouts_.advance(group, first, end - first); });
     }
     for (Group &group : groups)
-      add_parts(jobs, group.measured.from, group.measured.to, parts_of_group(4 * (threads - 1)), 4,
+      add_parts(jobs, group.measured.from, group.measured.to, parts_of_group(kPieces * (threads - 1)), kFewestMeasured,
                 [&](int from, int to) { rollouts_.measure(group, from, to); });
     if (jobs.empty())
       break;
