@@ -10,6 +10,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace doublet {
 namespace {
@@ -54,18 +55,22 @@ public:
     const int iterations = problem.first ? options_.first_iterations : options_.iterations;
     PoseEstimate estimate;
     estimate.dofs = problem.start;
+    posed_ = pose_surface(*actor_, estimate.dofs, problem.offset);
     double damping = 1e-3;
     for (int k = 0; k < iterations; ++k) {
       const double progress = iterations > 1 ? static_cast<double>(k) / (iterations - 1) : 1.0;
       const double widen = problem.first ? 2.0 : 1.0;
       gate_ = widen * options_.gate_start * std::pow(options_.gate_end / options_.gate_start / widen, progress);
       scale_ = widen * options_.scale_start * std::pow(options_.scale_end / options_.scale_start / widen, progress);
-      match(problem, estimate.dofs, context);
+      match(problem, context);
       step(problem, context, estimate, damping);
       estimate.iterations = k + 1;
       context.throw_if_cancelled();
     }
-    estimate.dofs = clamped(estimate.dofs);
+    if (const Eigen::VectorXd allowed = clamped(estimate.dofs); allowed != estimate.dofs) {
+      estimate.dofs = allowed;
+      posed_ = pose_surface(*actor_, allowed, problem.offset);
+    }
     measure(problem, estimate);
     return estimate;
   }
@@ -92,9 +97,8 @@ private:
     matches_.assign(views_, {});
   }
 
-  void match(const PoseProblem &problem, const Eigen::VectorXd &dofs, const Context &context) {
-    const PosedSurface surface = pose_surface(*actor_, dofs, problem.offset);
-    const ShownSurface shown(surface.vertices, problem.timing);
+  void match(const PoseProblem &problem, const Context &context) {
+    const ShownSurface shown(posed_.vertices, problem.timing);
     RimMatchOptions options;
     options.count = options_.rims_per_view;
     options.gate = gate_;
@@ -109,27 +113,32 @@ private:
 
   /// One accepted Levenberg-Marquardt step with the current matches; leaves the pose if none lowers the energy.
   void step(const PoseProblem &problem, const Context &context, PoseEstimate &estimate, double &damping) {
-    const NormalEquations system = linearize(problem, context, estimate.dofs, true);
+    const NormalEquations system = linearize(problem, context, estimate.dofs, posed_.vertices, true);
     estimate.energy = system.energy;
     for (int attempt = 0; attempt < 4; ++attempt) {
       Eigen::MatrixXd h = system.hessian.selfadjointView<Eigen::Lower>();
       h.diagonal() += damping * h.diagonal() + Eigen::VectorXd::Constant(h.rows(), 1e-6);
       const Eigen::VectorXd candidate = clamped(estimate.dofs - h.ldlt().solve(system.gradient));
-      if (candidate.allFinite() && linearize(problem, context, candidate, false).energy < system.energy) {
-        estimate.dofs = candidate;
-        damping = std::max(damping * 0.3, 1e-5);
-        return;
+      if (candidate.allFinite()) {
+        PosedSurface posed = pose_surface(*actor_, candidate, problem.offset);
+        if (linearize(problem, context, candidate, posed.vertices, false).energy < system.energy) {
+          estimate.dofs = candidate;
+          posed_ = std::move(posed);
+          damping = std::max(damping * 0.3, 1e-5);
+          return;
+        }
       }
       damping = std::min(damping * 10, 1e3);
     }
   }
 
-  /// Robust energy at a pose, and its Gauss-Newton system if asked for; one partial sum a view, added in order.
-  NormalEquations linearize(const PoseProblem &problem, const Context &context, const Eigen::VectorXd &dofs, bool derivatives) {
-    const PosedSurface surface = pose_surface(*actor_, dofs, problem.offset);
+  /// Robust energy at a pose, in which the surface is `vertices`, and its Gauss-Newton system if asked for; one partial sum a view,
+  /// added in order.
+  NormalEquations linearize(const PoseProblem &problem, const Context &context, const Eigen::VectorXd &dofs,
+                            const Vertices &vertices, bool derivatives) {
     const std::vector<DofTwist> twists = dof_twists(actor_->skeleton, dofs);
     const int size = static_cast<int>(dofs.size());
-    const ShownSurface shown(surface.vertices, problem.timing);
+    const ShownSurface shown(vertices, problem.timing);
     std::vector<NormalEquations> parts(views_, NormalEquations(size));
     parallel_for(context, views_, [&](int v) { add_view(problem, v, shown.in(v), twists, derivatives, parts[v]); });
     NormalEquations sum(size);
@@ -246,8 +255,7 @@ private:
 
   /// Residuals of the last matches at the final pose.
   void measure(const PoseProblem &problem, PoseEstimate &estimate) const {
-    const PosedSurface surface = pose_surface(*actor_, estimate.dofs, problem.offset);
-    const ShownSurface shown(surface.vertices, problem.timing);
+    const ShownSurface shown(posed_.vertices, problem.timing);
     const Faces &faces = actor_->mesh.faces;
     double rim = 0, sift = 0, energy = 0, samples = 0, rims = 0;
     for (int v = 0; v < views_; ++v) {
@@ -276,6 +284,7 @@ private:
   int views_ = 0;
   std::vector<OutlineIndex> indices_;
   std::vector<RimMatches> matches_;
+  PosedSurface posed_; // in the pose that is best so far
   double gate_ = 0, scale_ = 0;
 };
 
