@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import re
 import secrets
+import sys
+import threading
 import webbrowser
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -45,7 +47,9 @@ class Handler(BaseHTTPRequestHandler):
             self.refuse(400, f"expected a {self.server.saved_at[1:]} of at most {self.server.largest_body} bytes")
             return
         try:
-            saved = self.server.save(self.rfile.read(int(length)))
+            body = self.rfile.read(int(length))
+            with self.server.saving:  # of two tabs: it reads the file, changes and writes it
+                saved = self.server.save(body)
         except (OSError, RuntimeError, ValueError) as error:
             self.refuse(400, str(error))
             return
@@ -98,11 +102,22 @@ class LocalPage(ThreadingHTTPServer):
         self.token = secrets.token_urlsafe(16)  # a page from elsewhere cannot read it, and so cannot save
         self.shown = {"/": ("text/html; charset=utf-8", with_token(page.read_bytes(), self.token)), **shown}
         self.saved_at, self.save, self.largest_body = saved_at, save, largest_body
-        super().__init__((HOST, port), Handler)
+        self.saving = threading.Lock()
+        try:
+            super().__init__((HOST, port), Handler)
+        except OSError as error:
+            raise OSError(error.errno, f"no page can be served here: {error.strerror}", f"{HOST}:{port}") from error
+        except OverflowError:
+            raise ValueError(f"--port: expected 0 to 65535, found {port}") from None
 
     @property
     def url(self) -> str:
         return f"http://{HOST}:{self.server_port}/"
+
+    def handle_error(self, request, client_address) -> None:
+        """A browser may go away in the middle of an answer."""
+        if not isinstance(sys.exc_info()[1], ConnectionError):
+            super().handle_error(request, client_address)
 
     def run(self, browser: bool) -> None:
         """Until Ctrl-C."""
