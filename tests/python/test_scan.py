@@ -231,6 +231,27 @@ def test_what_begins_with_a_byte_order_mark_is_read(model, tmp_path):
     assert make_scan.read_description(folder) == json.loads(described)
 
 
+def test_joints_that_somebody_moves_on_the_page_are_not_found_ones(tmp_path):
+    """So that --refine leaves them."""
+    marks = tmp_path / "joints.json"
+    found = {
+        "comment": f"{make_scan.FOUND} with a body",
+        "joints": {"pelvis": {"position": [0, 1, 0]}},
+        "landmarks": {"heel": [0, 0, 0]},
+    }
+    marks.write_text(json.dumps(found))
+
+    def saved(pelvis: list, heel: list) -> str:
+        edit_joints.save_joints(marks, json.dumps({"joints": {"pelvis": pelvis}, "landmarks": {"heel": heel}}).encode())
+        return json.loads(marks.read_text())["comment"]
+
+    assert saved([0, 1, 0], [0, 0, 0]) == found["comment"] and make_scan.found_here(marks)  # nothing moved
+    assert saved([0, 1, 0], [0, 0, 0.01]) == f"corrected by hand; {found['comment']}" and not make_scan.found_here(marks)
+    assert saved([0, 2, 0], [0, 0, 0.01]) == f"corrected by hand; {found['comment']}"
+    marks.write_text(json.dumps({**found, "comment": None}))
+    assert not make_scan.found_here(marks)
+
+
 def write_keypoints(folder, session: d.Session, person: Person, kind: str) -> None:
     """The model's own joints as each camera sees them, in its images; one camera has left and right exchanged, in another nobody
     is sure."""

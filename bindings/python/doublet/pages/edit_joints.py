@@ -18,6 +18,7 @@ from .page_server import LocalPage
 
 PAGE = DATA / "edit_joints.html"
 SHOWN_SIZE = 720  # px, larger side of an image on the page
+BY_HAND = "corrected by hand"  # begins the comment then: no command replaces them unasked
 
 
 def open_page(folder: Path, port: int = 0) -> LocalPage:
@@ -73,7 +74,8 @@ def read_marks(path: Path) -> dict:
 
 
 def save_joints(path: Path, body: bytes) -> dict:
-    """Writes the positions that the page sent; all else in the file stays. Raises ValueError saying what is wrong with them."""
+    """Writes the positions that the page sent, and in the comment that they are a person's; all else in the file stays. Raises
+    ValueError saying what is wrong with them."""
     try:
         sent = json.loads(body)
         joints, landmarks = sent["joints"], sent["landmarks"]
@@ -82,10 +84,14 @@ def save_joints(path: Path, body: bytes) -> dict:
     content = read_json(path)
     require_points(joints, content["joints"], "joints")
     require_points(landmarks, content.get("landmarks") or {}, "landmarks")
+    before = json.dumps(content)
     for name, point in joints.items():
         content["joints"][name]["position"] = [round(x, 4) for x in point]
     for name, point in landmarks.items():
         content["landmarks"][name] = [round(x, 4) for x in point]
+    comment = str(content.get("comment") or "")
+    if json.dumps(content) != before and not comment.startswith(BY_HAND):
+        content["comment"] = f"{BY_HAND}; {comment}" if comment else BY_HAND
     write_json(path, content)
     return {"saved": str(path)}
 

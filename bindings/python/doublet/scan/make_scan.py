@@ -204,7 +204,7 @@ def require_made_from(scan: d.Mesh, actor: d.RiggedMesh, path: Path, out: Path) 
 
 
 def found_here(marks: Path) -> bool:
-    return marks.exists() and read_json(marks).get("comment", "").startswith(FOUND)
+    return marks.exists() and str(read_json(marks).get("comment", "")).startswith(FOUND)
 
 
 def require_frame(job: Job, frame: int) -> None:
