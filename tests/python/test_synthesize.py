@@ -1,5 +1,7 @@
 """A character rendered back into cameras is a session like any other, and its truth is the character's."""
 
+import shutil
+
 import doublet as d
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from doublet.reconstruct.options import with_pairs
 
 MARKS = [d.JointAnnotation("pelvis", "", [0, 1, 0], 6), d.JointAnnotation("spine", "pelvis", [0, 1.2, 0], 3)]
 FPS = 40.0
+QUIET = Console(quiet=True)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +40,7 @@ def motion(character):
 def made(character, motion, tmp_path_factory):
     out = tmp_path_factory.mktemp("synthesized") / "session"
     options = SynthesisOptions(camera_count=3, image_size=160, mask_step=4)
-    assert synthesize(character, motion, out, options, console=Console(quiet=True)) == 14
+    assert synthesize(character, motion, out, options, console=QUIET) == 14
     return out
 
 
@@ -119,14 +122,24 @@ def test_noise_and_blur_are_as_asked(character):
     assert edges[1] < 0.4 * edges[0]
 
 
+def test_a_run_that_was_stopped_leaves_no_truth_to_the_next(made, character, motion, tmp_path):
+    """Its frames and masks are of another motion."""
+    shutil.copytree(made, tmp_path / "again")
+    (tmp_path / "again" / "session.json").unlink()  # written last
+    short = d.Motion(FPS, motion.dofs[::-1][:6])
+    synthesize(character, short, tmp_path / "again", SynthesisOptions(camera_count=2, image_size=96, mask_step=5), console=QUIET)
+    truth = Truth(tmp_path / "again" / "ground_truth")
+    assert sorted(truth.chunks) == list(range(6))
+    assert [mask[:2] for mask in truth.masks()] == [("cam0", 0), ("cam0", 5), ("cam1", 0), ("cam1", 5)]
+
+
 def test_wrong_input_is_one_sentence(made, character, motion, tmp_path):
-    quiet = Console(quiet=True)
     with pytest.raises(FileExistsError, match="session.json"):
-        synthesize(character, motion, made, console=quiet)
+        synthesize(character, motion, made, console=QUIET)
     with pytest.raises(ValueError, match="frame_count is 99, the motion has 14"):
-        synthesize(character, motion, tmp_path, SynthesisOptions(frame_count=99), console=quiet)
+        synthesize(character, motion, tmp_path, SynthesisOptions(frame_count=99), console=QUIET)
     with pytest.raises(ValueError, match="image_size"):
-        synthesize(character, motion, tmp_path, SynthesisOptions(image_size=63), console=quiet)
+        synthesize(character, motion, tmp_path, SynthesisOptions(image_size=63), console=QUIET)
     np.savez(tmp_path / "other.npz", dofs=np.zeros((5, 3)))
     with pytest.raises(ValueError, match=r"expected finite 'dofs' of shape \(T, 9\), found \(5, 3\)"):
         read_motion(tmp_path / "other.npz", character, d.RetargetOptions())

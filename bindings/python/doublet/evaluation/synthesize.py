@@ -108,6 +108,8 @@ class TruthWriter:
 
     def __init__(self, folder: Path, surfaces: Surfaces, joint_names: list[str]):
         self.folder, self.joint_names = folder, joint_names
+        for left in (*folder.glob("frames_*.npz"), *folder.glob("masks/*.png")):  # by a run that was stopped: of another motion
+            left.unlink()
         label = np.r_[np.zeros(len(surfaces.skin_used) + len(surfaces.hidden_used)), np.ones(len(surfaces.cloth_used))]
         static = {"body_tris": surfaces.body_faces, "cloth_tris": surfaces.cloth_faces, "label": label.astype(np.uint8)}
         with written_atomically(folder / "static.npz") as path:
