@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import doublet as d
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from doublet.cli import program as cli
 from doublet.common.console import Console
 from doublet.evaluation import metrics as e
+from doublet.evaluation import motion_metrics
 from PIL import Image
 
 FRAMES = 3
@@ -322,6 +324,30 @@ def test_what_is_not_there_is_missing_not_zero(scene):
         e.new_motion(made, truth, 40, QUIET)
     with pytest.raises(FileNotFoundError, match="ground truth"):
         e.Truth(scene["out"])
+
+
+def test_a_truth_without_a_garment_says_so(scene):
+    """As that of a character without cloth; what can be measured is."""
+    reanimate(scene, clothness=is_cloth(scene))
+    fit = d.BodyFit()
+    fit.body, fit.coefficients, fit.model = d.Mesh(*scene["body"]), np.zeros(1), "test"
+    d.write_body(scene["out"] / "body.npz", fit)
+    np.savez(scene["truth"] / "static.npz", body_tris=scene["body"][1], cloth_tris=np.zeros((0, 3), np.int32))
+    body = np.stack([scene["body"][0]] * FRAMES)
+    np.savez(scene["truth"] / "frames_0000.npz", start=0, body=body, cloth=np.zeros((FRAMES, 0, 3)))
+    session = SimpleNamespace(rig=scene["cameras"], fps=40.0)
+    result = e.evaluate(scene["out"], scene["truth"], session, Console(quiet=True))
+    without = {name for name, reason in result["missing"].items() if reason == "the truth has no garment"}
+    assert without == {"hidden_body_mm", "resim_cloth_cm", "resim_two_sided_cm", "hem_height_cm", "flare_cm"}
+    assert result["metrics"]["cloth_iou"] == 0 and result["metrics"]["surface_body_mm"] < 0.01
+    motion = motion_metrics.compare(e.Reconstruction(scene["out"]), e.Truth(scene["truth"]), 40.0)
+    assert set(motion["missing"]["truth"].values()) == {"the truth has no garment"}
+
+
+def test_cameras_that_do_not_see_the_truth_measure_no_cloth(scene):
+    away = [d.orbit_camera([0, 500, 0], 1.0, 0.0, 0.0, 64, 64)]
+    with pytest.raises(e.Missing, match="no surface that a camera sees"):
+        e.cloth_iou(*reconstruct(scene, clothness=is_cloth(scene)), away)
 
 
 def test_table_shows_missing_values():

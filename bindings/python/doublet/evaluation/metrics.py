@@ -148,6 +148,8 @@ def cloth_iou(made: Reconstruction, truth: Truth, cameras) -> float:
     clothness = made.clothness
     vertices, faces, garment = truth.surface(0)
     seen = seen_faces(vertices, faces, cameras)
+    if not seen.any():
+        raise Missing("the truth has no surface that a camera sees")
     ours = made.actor.mesh.vertices
     our_faces = made.faces[seen_faces(ours, made.faces, cameras)]
     nearest, _, _ = d.RayScene(d.Mesh(vertices, faces[seen])).closest(centroids(ours, our_faces))
@@ -163,7 +165,7 @@ def hidden_body_mm(made: Reconstruction, truth: Truth, cameras) -> float:
     if 0 not in truth.chunks:
         raise Missing("the truth does not hold frame 0, the scan pose")
     fit = d.read_body(made.path("body.npz"))
-    body, cloth = truth.frame(0)
+    body, cloth = truth.frame(0)[0], truth.garment(0)
     vertices, faces, garment = truth.surface(0)
     unseen = ~seen_faces(vertices, faces, cameras)[~garment]
     points, normals = centroids(body, truth.body_faces), d.face_normals(body, truth.body_faces)
@@ -188,7 +190,7 @@ def cloth_rms_cm(moving: Animated, truth: Truth, every: int, context: d.Context,
     frames, squares = shared_frames(moving, truth.chunks, every), []
     for done, frame in enumerate(frames):
         context.report_progress(f"evaluate {name}", done / len(frames))
-        surface, garment = moving.surfaces[frame], truth.frame(frame)[1]
+        surface, garment = moving.surfaces[frame], truth.garment(frame)
         distances = [d.distances_to_surface(garment, d.Mesh(surface, moving.faces))]
         if two_sided:
             distances.append(d.distances_to_surface(surface[moving.cloth], d.Mesh(garment, truth.cloth_faces)))
@@ -227,7 +229,7 @@ def outline_rms_cm(moving: Animated, truth: Truth, every: int, measure) -> float
     """RMS over frames of ours minus true; a frame's value is the mean over the azimuths that have points of both."""
     pelvis, errors = truth.pelvis(), []
     for frame in shared_frames(moving, truth.chunks.keys() & pelvis.keys(), every):
-        garments = moving.surfaces[frame][moving.cloth], truth.frame(frame)[1]
+        garments = moving.surfaces[frame][moving.cloth], truth.garment(frame)
         ours, true = (by_azimuth(points, pelvis[frame], measure) for points in garments)
         shared = np.isfinite(ours - true)
         if not shared.any():

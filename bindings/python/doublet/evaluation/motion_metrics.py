@@ -146,7 +146,7 @@ def compare(made: Reconstruction, truth: Truth, fps: float) -> dict:
         chosen, cloth = pelvis_and_children(made, names), moving.cloth
         shared = shared_frames(moving, truth.chunks.keys() & joints.keys(), 1)
         garments = {
-            "truth": (truth.chunks, lambda frame: truth.frame(frame)[1]),
+            "truth": (truth.chunks, truth.garment),
             "simulated": (moving.surfaces, lambda frame: moving.surfaces[frame][cloth]),
         }
         found = {}

@@ -62,6 +62,13 @@ class Truth:
             self._path, self._vertices = path, (body, cloth)
         return tuple(vertices[row].astype(float) for vertices in self._vertices)
 
+    def garment(self, number: int) -> np.ndarray:
+        """(G, 3) m. Raises Missing if there is none."""
+        garment = self.frame(number)[1]
+        if not len(garment):
+            raise Missing("the truth has no garment")
+        return garment
+
     def require_vertices(self, path: Path, body: np.ndarray, cloth: np.ndarray) -> None:
         """Those that the faces have."""
         for name, faces, vertices in (("body", self.body_faces, body), ("cloth", self.cloth_faces, cloth)):
