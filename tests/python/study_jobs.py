@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from pathlib import Path
 
 from doublet.evaluation import study
@@ -31,6 +32,10 @@ def cubes(jobs):
 
 
 cube.together = cubes
+
+
+def wait(job):
+    time.sleep(job["seconds"])
 
 
 def fit_after_death(job):

@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import json
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -90,6 +91,17 @@ def test_a_pool_that_cannot_be_made_again_is_an_error(tmp_path):
     jobs = squares(tmp_path, 1, deaths=1)
     with study.local_workers(1)() as pool, pytest.raises(RuntimeError, match="give a function that makes one"):
         study.run(study_jobs.square, jobs, pool)
+
+
+def test_what_stops_a_study_ends_its_workers():
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        study.run(study_jobs.wait, [{"seconds": s} for s in (0, 300, 301, 302)], study.local_workers(2), on_row=stop)
+    for worker in multiprocessing.active_children():
+        worker.join(30)
+    assert not multiprocessing.active_children()
 
 
 def test_a_restarted_study_skips_what_is_done_and_tries_again_what_failed(tmp_path):

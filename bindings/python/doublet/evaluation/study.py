@@ -126,11 +126,14 @@ def opened(executor):
     if isinstance(executor, concurrent.futures.Executor):
         yield executor
         return
+    others = set(multiprocessing.active_children())
     pool = executor()
     try:
         yield pool
     except BaseException:
         pool.shutdown(wait=False)
+        for worker in set(multiprocessing.active_children()) - others:
+            worker.terminate()  # the end of this process would wait for its job
         raise
     pool.shutdown()
 
