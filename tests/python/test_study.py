@@ -104,6 +104,17 @@ def test_what_stops_a_study_ends_its_workers():
     assert not multiprocessing.active_children()
 
 
+@pytest.mark.parametrize("content", ["dear diary\n", "[\n 0.5,\n 3\n]\n", '{\n "version": 2\n}\n', '{"a": 1}\n'])
+def test_a_file_of_something_else_is_left_as_it_is(tmp_path, content):
+    file = tmp_path / "notes"
+    file.write_text(content)
+    with pytest.raises(
+        RuntimeError, match=r"notes: expected results of a study, an object a line, found '.*'; give another name"
+    ):
+        study.run(study_jobs.wait, [{"seconds": 0}], study.local_workers(1), file)
+    assert file.read_text() == content
+
+
 def test_a_restarted_study_skips_what_is_done_and_tries_again_what_failed(tmp_path):
     file = tmp_path / "rows.jsonl"
     pool = study.local_workers(1)

@@ -94,7 +94,8 @@ def key_of(function: str, job: dict) -> str:
 
 
 def read_rows(path: Path) -> dict[str, dict]:
-    """Results of earlier studies by key. Errors are left out, and a line that a killed study did not finish."""
+    """Results of earlier studies by key. Errors are left out, and a line that a killed study did not finish. Raises RuntimeError
+    for a file of something else, which stays as it is."""
     rows = {}
     if not Path(path).exists():
         return rows
@@ -102,7 +103,9 @@ def read_rows(path: Path) -> dict[str, dict]:
         try:
             row = json.loads(line)
         except ValueError:
-            continue
+            row = {"error": "cut off"} if line[:1] in ("", "{") else None
+        if not isinstance(row, dict) or not ("error" in row or {"function", "job"} <= row.keys()):
+            raise RuntimeError(f"{path}: expected results of a study, an object a line, found '{line[:40]}'; give another name")
         if "error" not in row:
             row["function"] = row["function"].replace(*FORMER_NAME)
             rows[key_of(row["function"], row["job"])] = row
