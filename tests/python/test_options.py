@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from doublet import reconstruct
 from doublet.cli import option_flags
+from doublet.cli.program import build_parser
+from doublet.reconstruct import config
 from doublet.reconstruct.options import plain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fuzz"))
@@ -96,6 +98,31 @@ def flag_words(group: str, name: str, value) -> list[str]:
     if isinstance(value, (list, np.ndarray)):
         return [flag, *(str(v) for v in value)]
     return [flag, str(value)]
+
+
+def test_a_whole_number_that_is_too_large_is_refused_by_name(tmp_path):
+    with pytest.raises(ValueError, match="FitOptions: max_evaluations: expected a smaller number, found 99999999999"):
+        reconstruct.make_options("fit", d.FitOptions, max_evaluations=99999999999)
+    path = tmp_path / "mine.toml"
+    for text, found in (
+        ("[fit]\nmax_evaluations = 99999999999\n", "fit.max_evaluations: expected a smaller number, found 99999999999"),
+        (f"seed = {2**64}\n", f"seed: expected a whole number of at most {2**64 - 1}, found {2**64}"),
+    ):
+        path.write_text(text)
+        with pytest.raises(RuntimeError, match=found):
+            config.read(path)
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["check S -o new --seed -1", f"fit OUT --seed {2**64}", "animate c m -o o --threads -3", "study OUT -o f --workers 0",
+     "study OUT -o f --seeds 1 -1", "edit-joints S --port 70000"],
+)  # fmt: skip
+def test_numbers_that_a_command_cannot_take_are_refused_by_flag(words, capsys):
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(words.split())
+    flag = next(word for word in words.split() if word.startswith("--"))
+    assert f"error: argument {flag}: expected a whole number from " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("group", "name"), FLAGS)

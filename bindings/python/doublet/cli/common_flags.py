@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 
 from ..common.console import Console
+from ..reconstruct.options import MOST_SEED
 
+MOST_NUMBER = 2**31 - 1  #: of what the library counts
 DOUBTFUL = 3  #: exit status of a run that ended, but with doubts
 MOTION_HELP = (
     ".bvh, .amc with its .asf beside it, a clip in .fbx, .glb, .vrm or .vrma, poses of SMPL, SMPL-H or SMPL-X (AMASS) in "
@@ -14,18 +17,29 @@ MOTION_HELP = (
 )
 
 
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """The type of a flag: a whole number of these."""
+
+    def number(text: str) -> int:
+        if not (text.isdecimal() and least <= int(text) <= most):
+            raise argparse.ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{text}'")
+        return int(text)
+
+    return number
+
+
 def common_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--threads", type=int, default=0, metavar="N", help="worker threads, 0 = one a core; results do not depend on it"
-    )
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of every random choice (default: 1)")
+    text = "worker threads, 0 = one a core; results do not depend on it"
+    parser.add_argument("--threads", type=whole(0, MOST_NUMBER), default=0, metavar="N", help=text)
+    parser.add_argument("--seed", type=whole(0, MOST_SEED), default=1, metavar="N", help="of every random choice (default: 1)")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.add_argument("--verbose", action="store_true", help="show what the stages say, not only their progress")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
 
 def page_flags(command) -> None:
-    command.add_argument("--port", type=int, default=0, metavar="N", help="of the page on this machine (default: any free one)")
+    text = "of the page on this machine (default: any free one)"
+    command.add_argument("--port", type=whole(0, 65535), default=0, metavar="N", help=text)
     command.add_argument("--no-browser", dest="browser", action="store_false", help="only print the address")
     command.add_argument("--debug", action="store_true", help="show the traceback of an error")
 

@@ -107,8 +107,6 @@ class LocalPage(ThreadingHTTPServer):
             super().__init__((HOST, port), Handler)
         except OSError as error:
             raise OSError(error.errno, f"no page can be served here: {error.strerror}", f"{HOST}:{port}") from error
-        except OverflowError:
-            raise ValueError(f"--port: expected 0 to 65535, found {port}") from None
 
     @property
     def url(self) -> str:

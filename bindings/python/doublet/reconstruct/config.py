@@ -12,7 +12,7 @@ import numpy as np
 from .._doublet import __version__
 from ..common.files import read_toml, write_text
 from ..common.renamed import current_option
-from .options import OPTION_GROUPS, is_derived, make_options, plain, takes_pairs
+from .options import MOST_SEED, OPTION_GROUPS, is_derived, make_options, plain, takes_pairs
 
 HEAD = """# Options of doublet {version}: `doublet reconstruct SESSION -o OUT --config THIS_FILE`.
 # A flag on the command line beats this file; what is left out of it has its default. A key is a flag's name: `diffusion` of
@@ -69,6 +69,8 @@ def read(path: Path) -> dict:
             values[key] = checked(path, key, value, 1)
             if value < 0:
                 raise RuntimeError(f"{path}: seed: expected a whole number of at least 0, found {value}")
+            if value > MOST_SEED:
+                raise RuntimeError(f"{path}: seed: expected a whole number of at most {MOST_SEED}, found {value}")
         elif key == "body_model":
             values[key] = path.parent / checked(path, key, value, "")
         elif key not in OPTION_GROUPS:

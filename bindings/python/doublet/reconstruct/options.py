@@ -31,6 +31,7 @@ CLASSES = {
 }
 #: Option groups: name on the command line (`--segment-diffusion`) -> class; of the rooms that are built.
 OPTION_GROUPS = {group: getattr(d, name) for group, name in CLASSES.items() if hasattr(d, name)}
+MOST_SEED = 2**64 - 1
 #: Set by the command itself, of groups that are no reconstruction's.
 SET_BY_COMMAND = {("train", "command")}
 
@@ -43,12 +44,19 @@ def is_derived(group: str, name: str, value) -> bool:
 
 
 def make_options(group: str, options_class: type, **chosen):
-    """The defaults, and what was chosen on top of them; of a material or a dict this may be NAME=X pairs."""
+    """The defaults, and what was chosen on top of them; of a material or a dict this may be NAME=X pairs. Raises ValueError for a
+    value that is none, TypeError for a name."""
     values = options_class().to_dict()
     for name, value in chosen.items():
         pairs = takes_pairs(values.get(name)) and isinstance(value, list)
         values[name] = with_pairs(values[name], value, f"{group}.{name}") if pairs else value
-    return options_class(**values)
+    try:
+        return options_class(**values)
+    except TypeError as error:
+        name = str(error).partition("(")[0]
+        if type(values.get(name)) is not int:
+            raise
+        raise ValueError(f"{options_class.__name__}: {name}: expected a smaller number, found {values[name]}") from error
 
 
 def takes_pairs(value) -> bool:

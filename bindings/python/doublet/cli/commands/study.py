@@ -7,6 +7,8 @@ from pathlib import Path
 
 from ...evaluation import study
 from ...reconstruct import OPTION_GROUPS
+from ...reconstruct.options import MOST_SEED
+from ..common_flags import MOST_NUMBER, whole
 from ..option_flags import add_option_flags
 
 
@@ -17,8 +19,11 @@ def register(commands) -> None:
     command.add_argument(
         "-o", "--results", type=Path, required=True, metavar="FILE.jsonl", help="one line a fit; goes on with it"
     )
-    command.add_argument("--seeds", type=int, nargs="+", default=[1], metavar="N", help="of each fit (default: 1)")
-    command.add_argument("--workers", type=int, default=1, metavar="N", help="processes on this machine (default: 1)")
+    command.add_argument(
+        "--seeds", type=whole(0, MOST_SEED), nargs="+", default=[1], metavar="N", help="of each fit (default: 1)"
+    )
+    text = "processes on this machine (default: 1)"
+    command.add_argument("--workers", type=whole(1, MOST_NUMBER), default=1, metavar="N", help=text)
     command.add_argument("--dask", metavar="ADDRESS", help="a Dask scheduler to use instead, e.g. tcp://host:8786")
     command.add_argument("--quiet", action="store_true", help="no progress")
     command.add_argument("--debug", action="store_true", help="show the traceback of an error")
