@@ -143,6 +143,9 @@ def test_wrong_input_is_one_sentence(made, character, motion, tmp_path):
     np.savez(tmp_path / "other.npz", dofs=np.zeros((5, 3)))
     with pytest.raises(ValueError, match=r"expected finite 'dofs' of shape \(T, 9\), found \(5, 3\)"):
         read_motion(tmp_path / "other.npz", character, d.RetargetOptions())
+    np.savez(tmp_path / "none.npz", dofs=np.zeros((0, 9)))
+    with pytest.raises(ValueError, match=r"none.npz: expected finite 'dofs' of shape \(T, 9\), found \(0, 9\)"):
+        read_motion(tmp_path / "none.npz", character, d.RetargetOptions())
     with pytest.raises(ValueError, match="expected one of .*, found 'stiffness'"):
         with_pairs(d.Material(), ["stiffness=1"], "--material")
     assert with_pairs(d.Material(), ["k_bend=0.25"], "--material").k_bend == 0.25

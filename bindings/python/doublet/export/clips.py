@@ -77,7 +77,7 @@ def read_motion(
     if bone_map:
         raise ValueError(f"{path}: expected a clip on bones of its own for a bone map, found poses of the character's skeleton")
     expected = len(character.actor.skeleton.dof_names)
-    if dofs.ndim != 2 or dofs.shape[1] != expected or not np.isfinite(dofs).all():
+    if dofs.ndim != 2 or dofs.shape[1] != expected or not len(dofs) or not np.isfinite(dofs).all():
         raise ValueError(f"{path}: expected finite 'dofs' of shape (T, {expected}), found {dofs.shape}")
     return d.Motion(retargeting.fps or 1 / character.solver.dt, dofs)
 
