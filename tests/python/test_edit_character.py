@@ -1,6 +1,7 @@
 """`doublet edit-character`: another material, texture, colour under the garment."""
 
 import io
+import json
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from doublet.cli import program as cli
 from doublet.export import character_edit
 from doublet.export.character_edit import set_body_colour, set_texture, set_underwear, write_texture
+from doublet.reconstruct.options import plain
 from PIL import Image
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
@@ -53,6 +55,29 @@ def test_a_material_from_a_file(file, tmp_path, capsys):
     (tmp_path / "m.json").write_text(f'{{"regions": [{one}, {one}]}}')
     assert run(file, "--material-file", tmp_path / "m.json", "-o", tmp_path / "no.glb") == 1
     assert "m.json: expected materials of the character's 1 cloth regions, found 2" in capsys.readouterr().err
+
+
+def test_a_material_of_another_solver_is_refused(file, tmp_path, capsys):
+    """The same numbers are another cloth there."""
+    character = d.Character.read(file)
+    solver, region = character.solver.to_dict(), {"parameters": character.materials[0].to_dict()}
+    solver["cloth"] = {name: plain(value) for name, value in solver["cloth"].to_dict().items()}
+    for dt, status in ((solver["dt"], 0), (2 * solver["dt"], 1)):
+        fitted = {"version": 2, "solver": {**solver, "dt": dt}, "regions": [region]}
+        (tmp_path / "m.json").write_text(json.dumps(fitted))
+        assert run(file, "--material-file", tmp_path / "m.json", "-o", tmp_path / "other.glb") == status
+    assert f"m.json: solver setting dt: expected {solver['dt']:g}, found {2 * solver['dt']:g}" in capsys.readouterr().err
+
+
+def test_a_material_needs_cloth(world, tmp_path, capsys):
+    actor, nothing = world.actor, np.zeros(len(world.actor.mesh.vertices))
+    bare = d.Segmentation(nothing, nothing, np.full(len(nothing), -1, np.int32))
+    d.make_character(actor, bare, d.BodyFit(), [], [], d.SolverSettings(1 / 40)).write(tmp_path / "bare.glb")
+    assert run(tmp_path / "bare.glb", "--material", "k_bend=0.4", "-o", tmp_path / "out.glb") == 1
+    assert "--material: expected a character with cloth, found none in " in capsys.readouterr().err
+    words = ["synthesize", tmp_path / "bare.glb", "--motion", "m.npz", "-o", tmp_path / "s", "--material", "k_bend=0.4"]
+    assert cli.main([*map(str, words)]) == 1
+    assert "--material: expected a character with cloth, found none in " in capsys.readouterr().err
 
 
 def test_a_texture_is_the_file_as_it_is_and_the_body_follows(file, tmp_path):
@@ -158,6 +183,7 @@ def test_underwear_ends_along_a_line(world, monkeypatch):
         (["--material", "k_bend=2"], "k_bend"),
         (["--material", "k_bent=0.2"], "--material: expected one of d_n"),
         (["--material", "k_bend=0.2", "--region", "4"], "--region: expected one of the character's 1 cloth regions"),
+        (["--region", "0", "--body-colour", "red"], "--region: expected --material beside it"),
         (["--body-colour", "skinn"], "--body-colour: expected a colour such as '#336699' or 'teal', found 'skinn'"),
         (["--texture", "{folder}/no.png"], "no.png"),
         (["--texture", "{folder}/character.glb"], "character.glb"),

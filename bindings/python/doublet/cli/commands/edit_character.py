@@ -47,8 +47,10 @@ def run(arguments) -> None:
 
 def change(character: d.Character, arguments) -> None:
     """Colours come after the texture that they are painted into."""
+    if arguments.region is not None and not arguments.material:
+        raise ValueError("--region: expected --material beside it, which it is of")
     if arguments.material_file:
-        character.materials = materials_in(arguments.material_file, len(character.materials))
+        character.materials = materials_in(arguments.material_file, character)
     if arguments.material:
         character.materials = materials_of(character, arguments.material, arguments.region)
     if arguments.texture:
@@ -61,8 +63,10 @@ def change(character: d.Character, arguments) -> None:
         character.name = arguments.name
 
 
-def materials_of(character: d.Character, pairs: list[str], region: int | None) -> list[d.Material]:
+def materials_of(character: d.Character, pairs: list[str], region: int | None = None) -> list[d.Material]:
     count = len(character.materials)
+    if not count:
+        raise ValueError(f"--material: expected a character with cloth, found none in {character.name}")
     if region is not None and not 0 <= region < count:
         raise ValueError(f"--region: expected one of the character's {count} cloth regions, from 0, found {region}")
     return [
@@ -71,8 +75,9 @@ def materials_of(character: d.Character, pairs: list[str], region: int | None) -
     ]
 
 
-def materials_in(path: Path, count: int) -> list[d.Material]:
-    found = d.read_materials(path)
+def materials_in(path: Path, character: d.Character) -> list[d.Material]:
+    """Of the character's solver, where the file names one: in another the same numbers are another cloth."""
+    found, count = d.read_materials(path, character.solver), len(character.materials)
     if len(found) != count:
         raise RuntimeError(f"{path}: expected materials of the character's {count} cloth regions, found {len(found)}")
     return found

@@ -8,9 +8,9 @@ from pathlib import Path
 from ... import _doublet as d
 from ...evaluation.synthesize import SynthesisOptions, synthesize
 from ...export.clips import read_motion
-from ...reconstruct.options import with_pairs
 from ..common_flags import MOTION_HELP, common_flags, make_console
 from ..option_flags import add_option_flags, chosen_options
+from .edit_character import materials_of
 
 
 def register(commands) -> None:
@@ -44,7 +44,7 @@ def run(arguments) -> None:
     options = SynthesisOptions(**chosen)
     options.validate()
     if arguments.material:
-        character.materials = [with_pairs(m, arguments.material, "--material") for m in character.materials]
+        character.materials = materials_of(character, arguments.material)
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
     retargeting.fps = 1 / character.solver.dt
     motion = read_motion(arguments.motion, character, retargeting)
