@@ -187,16 +187,17 @@ def test_what_is_wrong_gets_its_sentence(character, files, tmp_path, monkeypatch
 # --- files that are dropped, keys, time
 
 DROP = """
-  const [name, text] = arguments, bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), dataTransfer = new DataTransfer();
-  dataTransfer.items.add(new File([bytes], name));
+  const dataTransfer = new DataTransfer(), bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  for (const [name, text] of arguments[0]) dataTransfer.items.add(new File([bytesOf(text)], name));
   const event = (kind) => new DragEvent(kind, { dataTransfer, bubbles: true, cancelable: true });
   document.body.dispatchEvent(event("dragover"));
   document.body.dispatchEvent(event("drop"));
 """
 
 
-def drop(page, name, content):
-    page.execute_script(DROP, name, base64.b64encode(content).decode())
+def drop(page, *files):
+    """files: names and contents, all at once."""
+    page.execute_script(DROP, [[name, base64.b64encode(content).decode()] for name, content in zip(files[::2], files[1::2])])
 
 
 def until(page, expression):
@@ -249,8 +250,11 @@ def test_another_character_takes_the_place_of_the_first(own_page, character, fil
     drop(own_page, "other.glb", (files / "c.glb").read_bytes())
     until(own_page, "doubletView.state.actors[0]?.actor.name === 'other' && doubletView.state.time > 1")
     assert len(positions(own_page)) == len(character.high.vertices)
-    drop(own_page, "no.glb", (files / "c.glb").read_bytes()[:5000])
+    navy = io.BytesIO()
+    Image.new("RGB", (32, 16), "navy").save(navy, "PNG")
+    drop(own_page, "no.glb", (files / "c.glb").read_bytes()[:5000], "navy.png", navy.getvalue())
     until(own_page, "document.getElementById('status').classList.contains('problem')")
+    until(own_page, "doubletView.state.actors[0].figure.meshes[0].material.map?.image.width === 32")  # the next of them is read
 
 
 def test_what_is_no_file_of_ours_gets_a_sentence(own_page):
@@ -290,3 +294,33 @@ def test_a_dropped_picture_and_a_saved_material(own_page):
     Image.new("RGB", (32, 16), "navy").save(content, "PNG")
     drop(own_page, "navy.png", content.getvalue())
     until(own_page, "doubletView.state.actors[0].figure.meshes[0].material.map?.image.width === 32")
+
+
+def test_the_panel_is_of_the_one_that_is_chosen(own_page, person, tmp_path):
+    """After a clip was dropped, too. A second one that is loading cannot be taken away."""
+    own_page.execute_script("for (const _ of [1, 2]) document.getElementById('compare').click()")
+    until(own_page, "doubletView.state.actors.length === 2 && document.getElementById('compare').checked")
+    pressed = "return [...document.querySelectorAll('[aria-pressed]')].map((b) => b.ariaPressed)"
+    assert own_page.execute_script(pressed) == ["true", "false"]
+    own_page.find_elements(By.CSS_SELECTOR, "[aria-pressed]")[1].click()
+    assert own_page.execute_script(pressed) == ["false", "true"]
+    skeleton = person.actor.skeleton
+    d.write_bvh(tmp_path / "still.bvh", skeleton, d.Motion(FPS, np.zeros((9, len(skeleton.dof_names)))))
+    drop(own_page, "still.bvh", (tmp_path / "still.bvh").read_bytes())
+    until(own_page, "doubletView.state.clip === 1")
+    assert own_page.execute_script(pressed) == ["false", "true"]
+    own_page.find_element(By.ID, "k_bend").send_keys(Keys.HOME)
+    until(own_page, "doubletView.state.actors[1].actor.materials[0][2] === 0")
+    assert own_page.execute_script("return doubletView.state.actors[0].actor.materials[0][2]") == 0.25
+
+
+def test_a_character_without_cloth_has_no_material(bundle, person, browser, tmp_path):  # noqa: F811
+    nothing = np.zeros(len(person.actor.mesh.vertices))
+    skin = d.Segmentation(nothing, nothing, np.full(len(nothing), -1, np.int32))
+    d.make_character(person.actor, skin, d.BodyFit(), [], [], person.solver).write(tmp_path / "skin.glb")
+    assert doublet("view", tmp_path / "skin.glb", "-o", tmp_path / "page").returncode == 0
+    browser.get_log("browser")  # of pages before
+    browser.get((tmp_path / "page" / "index.html").as_uri())
+    until(browser, "doubletView.state.time > 2 && document.getElementById('timeline').max > 0")
+    assert browser.execute_script("return document.getElementById('k_bend')") is None
+    assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []

@@ -17,7 +17,7 @@ export class Actor {
     this.onProblem = onProblem;
     const address = URL.createObjectURL(new Blob([workerSource], { type: "text/javascript" }));
     this.worker = new Worker(address);
-    this.opened = new Promise((resolve) => (this.onOpened = resolve));
+    this.opened = new Promise((resolve, reject) => Object.assign(this, { onOpened: resolve, onRefused: reject }));
     this.worker.onmessage = ({ data }) => this[`on_${data.type}`](data);
     this.worker.onerror = (event) => onProblem(event.message);
     this.worker.postMessage({ type: "open", character: character.glb });
@@ -40,6 +40,7 @@ export class Actor {
     this.materials = materials;
   }
   on_problem({ text, run }) {
+    this.onRefused(new Error(text)); // of one that is open nobody waits for that
     if (run === undefined || run === this.run) this.onProblem(text);
   }
   on_frame({ run, how, milliseconds, drawn }) {

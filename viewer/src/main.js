@@ -209,6 +209,13 @@ function choose(i) {
   byId("controls").classList.toggle("of-second", i === 1);
 }
 
+/** The panel is of the one that is chosen: it may have more cloth than the other, or none. */
+function pick(i) {
+  choose(i);
+  fillPanel();
+  byId("controls").querySelector("[aria-pressed=true]").focus();
+}
+
 function forgetMaterial() {
   const { estimated } = chosenActor();
   estimated[state.region].forEach((value, parameter) => chosenActor().setMaterial(state.region, parameter, value));
@@ -246,14 +253,16 @@ async function takeClip(fileName, bytes) {
   begin();
 }
 
-/** In the place of the first, or of the second where two are shown and that is chosen. Clips that were retargeted before the page
- * was written are of the other skeleton. */
+/** In the place of all that are shown. Clips that were retargeted before the page was written are of the other skeleton. */
 async function takeCharacter(fileName, glb) {
   const dropped = { name: fileName.replace(/\.[^.]*$/, ""), glb };
   const trial = new Actor(dropped, [], (text) => say(text, true));
   say(`Reading ${fileName}`);
-  await trial.opened;
-  trial.end();
+  try {
+    await trial.opened;
+  } finally {
+    trial.end();
+  }
   for (const { actor, figure } of state.actors.splice(0)) {
     actor.end();
     stage.removeFigure(figure);
@@ -288,6 +297,7 @@ function showTime() {
 }
 
 async function compare(isTwo) {
+  byId("compare").disabled = true; // until the second one is there
   if (isTwo) {
     await addActor(characters.length - 1);
   } else {
@@ -311,7 +321,8 @@ function called() {
 function fillPanel() {
   const controls = byId("controls");
   const two = state.actors.length > 1;
-  const materials = data.parameters.map(materialSlider);
+  const regions = chosenActor().materials.map((_, i) => `cloth ${i + 1}`);
+  const materials = regions.length > 0 ? data.parameters.map(materialSlider) : [];
   const world = [
     worldSlider({ id: "wind", text: "wind", lower: 0, upper: 15, shown: (x) => `${x.toFixed(1)} m/s` }, () => state.wind.speed,
       (x) => (state.wind.speed = x)),
@@ -321,7 +332,6 @@ function fillPanel() {
       () => state.gravity, (x) => (state.gravity = x)),
   ];
   sliders = [...materials, ...world];
-  const regions = Array.from({ length: chosenActor().materials.length }, (_, i) => `cloth ${i + 1}`);
   controls.replaceChildren(
     row(
       choice({ id: "clip", title: "Clip", names: clips.map(({ name }) => name), chosen: state.clip, onChange: chooseClip }),
@@ -332,10 +342,12 @@ function fillPanel() {
     tick({ id: "follow", text: "the camera goes along", checked: state.follows, onChange: (on) => (state.follows = on) }),
     tick({ id: "compare", text: "a second one beside", checked: two, onChange: compare }),
     heading("Material"),
-    ...(two ? [oneOf(called(), choose)] : []),
-    ...(regions.length > 1 ? [row(choice({ id: "region", title: "Cloth", names: regions, chosen: 0, onChange: chooseRegion }))] : []),
+    ...(two ? [oneOf(called(), state.chosen, pick)] : []),
+    ...(regions.length > 1
+      ? [row(choice({ id: "region", title: "Cloth", names: regions, chosen: state.region, onChange: chooseRegion }))]
+      : []),
     ...materials,
-    row(button("As estimated", forgetMaterial), button("Save material", saveMaterial)),
+    ...(regions.length > 0 ? [row(button("As estimated", forgetMaterial), button("Save material", saveMaterial))] : []),
     heading("World"),
     ...world,
   );

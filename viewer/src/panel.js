@@ -46,14 +46,9 @@ export function choice({ id, title, names, chosen, onChange }) {
 }
 
 /** Buttons of which one is pressed. */
-export function oneOf(names, onPick) {
-  const buttons = names.map((name, i) => made("button", { textContent: name, onclick: () => pick(i) }));
-  const press = (picked) => buttons.forEach((button, i) => button.setAttribute("aria-pressed", i === picked));
-  const pick = (i) => {
-    press(i);
-    onPick(i);
-  };
-  press(0);
+export function oneOf(names, pressed, onPick) {
+  const buttons = names.map((name, i) => made("button", { textContent: name, onclick: () => onPick(i) }));
+  buttons.forEach((button, i) => button.setAttribute("aria-pressed", i === pressed));
   return row(...buttons);
 }
 
