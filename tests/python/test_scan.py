@@ -17,6 +17,7 @@ from doublet.scan import make_scan
 from doublet.session import keypoints
 from PIL import Image
 
+SHIPPED = Path(__file__).parents[2] / "examples" / "data" / "session"
 FAST = ["--body-iterations", "6", "--scan-cell", "0.012", "--scan-poisson-depth", "7", "--scan-search-depth", "0", "--quiet"]
 
 
@@ -342,6 +343,36 @@ def test_joints_come_from_keypoints_where_arms_hang(model, tmp_path, capsys):
     assert capsys.readouterr().out.split("\n")[0] == str(folder / "keypoints.npz")
     assert main(["scan", str(folder), "--refine", str(folder), "--keypoints", str(tmp_path / "keypoints")]) == 1
     assert "--keypoints: expected no --refine beside it" in capsys.readouterr().err
+
+
+@pytest.fixture
+def shipped(tmp_path):
+    """A copy of a session with a scan and joints; its videos are links."""
+    folder = shutil.copytree(SHIPPED, tmp_path / "shipped", ignore=shutil.ignore_patterns("ground_truth", "*.mp4"))
+    for video in (SHIPPED / "videos").iterdir():
+        (folder / "videos" / video.name).symlink_to(video)
+    return folder
+
+
+def test_keypoints_are_looked_at_in_the_frame_of_the_scan(shipped, monkeypatch):
+    """That is there already; in the first frame nobody may be seen."""
+    described = json.loads((shipped / "session.json").read_text(encoding="utf-8"))
+    (shipped / "session.json").write_text(json.dumps({**described, "scan_frame": 31}), encoding="utf-8")
+    looked_at = []
+    monkeypatch.setattr(make_scan, "adopt_keypoints", lambda _, __, frame, ___: looked_at.append(frame) or "keypoints.npz")
+    for name in ("save", "with_check_picture"):
+        monkeypatch.setattr(make_scan, name, lambda *_: None)
+    job = SimpleNamespace(session_folder=shipped, session=d.Session(shipped))
+    make_scan.scan_session(job, keypoints=Path("keypoints"))
+    assert looked_at == [31]
+    with pytest.raises(RuntimeError, match="names a scan already; --force makes another at --frame"):
+        make_scan.scan_session(job, keypoints=Path("keypoints"), frame=0)
+
+
+@pytest.mark.parametrize(("flag", "value"), [("--given", "raw.ply"), ("--frame", "0")])
+def test_what_refining_does_not_look_at_is_refused(shipped, capsys, flag, value):
+    assert main(["scan", str(shipped), "--refine", str(shipped), flag, value]) == 1
+    assert f"{flag}: expected no --refine beside it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -67,14 +67,16 @@ def scan_session(
     wanted = [key for key in ("scan", "markers") if force or not description.get(key)]
     if not wanted and not keypoints:
         raise RuntimeError(f"{folder / 'session.json'}: names a scan and joints already; --force makes them anew")
-    if frame and "scan" not in wanted:
+    if frame is not None and "scan" not in wanted:
         raise RuntimeError(f"{folder / 'session.json'}: names a scan already; --force makes another at --frame")
     if given and "scan" not in wanted:
         raise RuntimeError(f"--given: {folder / 'session.json'} names a scan already; --force makes it anew")
-    made, chosen = [], 0
+    made = []
     if "scan" in wanted:
         chosen = best_frame(job) if frame == BEST else frame or 0
         require_frame(job, chosen)
+    else:
+        chosen = scan_frame(job.session)
     if keypoints:
         messages: list[str] = []
         description["keypoints"] = adopt_keypoints(job.session, keypoints, chosen, messages)

@@ -63,6 +63,9 @@ def run(arguments) -> int:
     if arguments.refine:
         if arguments.keypoints:
             raise ValueError("--keypoints: expected no --refine beside it; give them first, the session keeps them")
+        for flag, value in (("--given", arguments.given), ("--frame", arguments.frame)):
+            if value is not None:
+                raise ValueError(f"{flag}: expected no --refine beside it, which corrects the scan that the session names")
         made = refine_scan(job, arguments.refine, rest_options)
     else:
         made = scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints, arguments.given)
