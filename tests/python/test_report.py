@@ -55,6 +55,17 @@ def test_doubts_are_counted_and_say_what_to_do(tmp_path):
     assert "1 thing in it is doubtful" in words(report.verdict(Shown(tmp_path, {}, [BOUND])))
 
 
+@pytest.mark.parametrize(
+    "damaged", ['{"regions"', "[]", "{}", '{"regions": 3}', '{"regions": [{"findings": [{"kind": "guess"}]}]}']
+)
+def test_a_material_of_another_kind_is_named(tmp_path, damaged):
+    shown = Shown(tmp_path, {})
+    (tmp_path / "material.json").write_text(damaged)
+    with pytest.raises(RuntimeError, match=r"material\.json: expected (JSON|what the stage 'fit' writes), found .*") as caught:
+        report.verdict(shown)
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize("kind", ["lower_bound", "upper_bound", "guess", "seeds"])
 def test_every_kind_of_finding_has_a_sentence_advice_and_a_warning(kind):
     assert d.FitFinding(kind, "d_n", 1, 0, 2).text().startswith("d_n = 1 ")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
+from pathlib import Path
 
 from .. import _doublet as d
+from ..common.files import read_json
 
 #: Kind of doubt -> what to do about it; those of quality_limits() bring their own advice.
 ADVICE = {
@@ -40,11 +41,20 @@ def doubts_of(job) -> list[Doubt]:
     lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
     doubts += [Doubt("performance", "lost", f"{joint} was lost in {count} frames") for joint, count in lost.items()]
     fitted = job.path("material.json")
-    material = json.loads(fitted.read_text(encoding="utf-8")) if fitted.exists() else {"regions": []}
-    if material.get("interrupted"):
-        doubts.append(Doubt("fit", "stopped", "the search was stopped before its end; the same command goes on with it"))
-    found = [d.FitFinding(**finding) for region in material["regions"] for finding in region.get("findings", [])]
-    return doubts + [Doubt("fit", finding.kind, finding.text()) for finding in found]
+    return doubts + (fit_doubts(fitted) if fitted.exists() else [])
+
+
+def fit_doubts(fitted: Path) -> list[Doubt]:
+    """Of material.json. Raises RuntimeError naming it if it is not what `doublet fit` writes."""
+    material = read_json(fitted)
+    try:
+        stopped = material.get("interrupted")
+        found = [d.FitFinding(**finding) for region in material["regions"] for finding in region.get("findings", [])]
+    except (AttributeError, KeyError, TypeError) as error:
+        said = f"{type(error).__name__}: {str(error).splitlines()[0]}"
+        raise RuntimeError(f"{fitted}: expected what the stage 'fit' writes, found {said}") from error
+    text = "the search was stopped before its end; the same command goes on with it"
+    return [Doubt("fit", "stopped", text)] * bool(stopped) + [Doubt("fit", finding.kind, finding.text()) for finding in found]
 
 
 def good_of(job) -> list[str]:
