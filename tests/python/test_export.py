@@ -13,7 +13,7 @@ import pytest
 from doublet.cli import program as cli
 from doublet.export import bone_map, vertex_animation
 from doublet.export.clips import read_clip, read_motion
-from doublet.export.usd import identifier, texture_path, write_usdc
+from doublet.export.usd import identifier, identifiers, texture_path, write_usdc
 from doublet.export.vertex_animation import write_vertex_animation
 from glb_viewer import Viewer
 from test_motions import actor_skeleton
@@ -290,6 +290,7 @@ def test_without_usd_core_there_is_a_sentence(character, motion, tmp_path, monke
 
 def test_names_of_usd():
     assert [identifier(name) for name in ("l_hip", "Left Hip", "1st", "ä")] == ["l_hip", "Left_Hip", "_1st", "_"]
+    assert identifiers(["spine", "左腕", "右腕", "spine", "脚"]) == ["spine", "__", "___2", "spine_2", "_"]
 
 
 # --- vertex animation textures

@@ -6,6 +6,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.cli import program as cli
+from doublet.export import cloth_usd
 from doublet.export.cloth import export_cloth
 from doublet.export.cloth_stiffness import springs_of
 
@@ -247,6 +248,20 @@ def test_usd_has_kinematic_tapered_capsules_where_they_are(exported):
     for y, place in ((-half, posed.capsules[0].p0), (half, posed.capsules[0].p1)):
         found = UsdGeom.Xformable(shape).ComputeLocalToWorldTransform(40).Transform((0, y, 0))
         np.testing.assert_allclose(found, place, atol=1e-4)
+
+
+def test_usd_has_a_body_of_each_joint_whatever_its_name(exported, tmp_path):
+    """USD's names are of ASCII letters: of these nothing is left but their number."""
+    from pxr import Usd
+
+    cloth, motion = read(exported[1])
+    for joint, name in zip(cloth["skeleton"], ("骨盤", "背骨", "左腕", "右腕")):
+        joint["name"] = name
+    cloth["capsules"] += [{**cloth["capsules"][0], "joint": 1}]
+    cloth_usd.write_cloth_usd(tmp_path / "cloth.usda", cloth, motion)
+    stage = Usd.Stage.Open(str(tmp_path / "cloth.usda"))  # whose end is that of what is in it
+    bodies = stage.GetPrimAtPath("/cloth/bodies").GetChildren()
+    assert [len(body.GetChildren()) for body in bodies] == [len(exported[0].proxies), 1]
 
 
 # --- the command

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..common.files import written_atomically
-from .usd import identifier, usd_modules
+from .usd import identifiers, usd_modules
 
 
 def write_cloth_usd(path: Path, cloth: dict, motion: dict | None = None) -> None:
@@ -65,7 +65,7 @@ def bodies_of(cloth: dict) -> list[int]:
 def add_body(pxr, stage, joint: int, cloth: dict, motion: dict | None, material) -> None:
     """A joint as a kinematic body, with its capsules as colliders."""
     place = cloth["skeleton"][joint]
-    path = f"/cloth/bodies/{identifier(place['name'])}"
+    path = f"/cloth/bodies/{identifiers([other['name'] for other in cloth['skeleton']])[joint]}"
     body = pxr.UsdGeom.Xform.Define(stage, path)
     pxr.UsdPhysics.RigidBodyAPI.Apply(body.GetPrim()).CreateKinematicEnabledAttr(True)
     move, turn = body.AddTranslateOp(), body.AddOrientOp()

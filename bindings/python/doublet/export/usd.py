@@ -34,6 +34,16 @@ def identifier(name: str) -> str:
     return plain if plain[:1].isalpha() or plain[:1] == "_" else f"_{plain}"
 
 
+def identifiers(names: list[str]) -> list[str]:
+    """The same of several, each another one: of names in other letters little is left."""
+    found: list[str] = []
+    for name in names:
+        plain = identifier(name)
+        others = (f"{plain}_{k}" for k in range(2, len(names) + 2))
+        found.append(plain if plain not in found else next(other for other in others if other not in found))
+    return found
+
+
 def texture_path(out: Path, character: d.Character) -> Path:
     """Where the texture of a .usdc lies: beside it, by its name."""
     return out.with_suffix(".png" if character.texture.startswith(b"\x89PNG") else ".jpg")
@@ -67,8 +77,8 @@ class Stage:
         self.parents = self.character.actor.skeleton.joint_parents
         self.rest = self.character.actor.skeleton.joint_positions(np.zeros(len(self.character.actor.skeleton.dof_names)))
         paths = []
-        for name, parent in zip(names, self.parents):
-            paths.append(identifier(name) if parent < 0 else f"{paths[parent]}/{identifier(name)}")
+        for name, parent in zip(identifiers(names), self.parents):
+            paths.append(name if parent < 0 else f"{paths[parent]}/{name}")
         skel.Root.Define(self.stage, "/character/rig")
         skeleton = skel.Skeleton.Define(self.stage, "/character/rig/skeleton")
         self.animation = skel.Animation.Define(self.stage, "/character/rig/animation")
