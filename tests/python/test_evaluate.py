@@ -235,6 +235,21 @@ def test_garment_that_does_not_fit_is_an_error(scene):
         _ = e.Reconstruction(scene["out"]).reanimated
 
 
+def test_files_of_an_earlier_run_are_an_error(scene):
+    """Of fewer frames, which would be taken for the first ones; of another template."""
+    count = len(scene["vertices"])
+    reanimate(scene, clothness=is_cloth(scene))
+    np.savez(scene["out"] / "simulated.npz", vertices=np.zeros((FRAMES - 1, count, 3), np.float32))
+    with pytest.raises(
+        d.Error, match=rf"simulated.npz: array 'vertices': expected \({FRAMES}, {count}, 3\).* found .*{FRAMES - 1},"
+    ):
+        _ = e.Reconstruction(scene["out"]).reanimated
+    other = np.zeros(count - 1)
+    d.write_segmentation(scene["out"] / "segmentation.npz", d.Segmentation(other, other, np.full(count - 1, -1)))
+    with pytest.raises(d.Error, match=rf"segmentation.npz: array 'clothness': expected \({count},\).* found \({count - 1},\)"):
+        _ = e.Reconstruction(scene["out"]).clothness
+
+
 def outline(moving, truth):
     return [e.outline_rms_cm(moving, truth, 1, measure) for measure in (e.lowest, e.wide_radius)]
 

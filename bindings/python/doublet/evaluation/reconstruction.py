@@ -55,7 +55,9 @@ class Reconstruction:
 
     @cached_property
     def clothness(self) -> np.ndarray:
-        return d.read_segmentation(self.path("segmentation.npz")).clothness
+        found = d.read_segmentation(self.path("segmentation.npz")).clothness
+        self.require("segmentation.npz", "clothness", "vertices of actor.npz", (len(self.actor.mesh.vertices),), found.shape)
+        return found
 
     @cached_property
     def performance(self) -> d.ReferencePerformance:
@@ -66,15 +68,21 @@ class Reconstruction:
         """The reference motion (simulated.npz)."""
         with arrays_of(self.path("simulated.npz")) as simulated:
             vertices = simulated["vertices"].astype(float)
+            expected = len(self.performance.frames), len(self.actor.mesh.vertices), 3
+            shape = "frames of performance.npz, vertices of actor.npz, 3"
+            self.require("simulated.npz", "vertices", shape, expected, vertices.shape)
             if "garment" not in simulated:
                 return self.animated(vertices)
             garment = simulated["garment"].astype(float)
         with arrays_of(self.path("garment.npz")) as own:
-            expected, found = (len(vertices), len(own["vertices"]), 3), garment.shape
-        if found != expected:
-            shape = "(frames of vertices, vertices of garment.npz, 3)"
-            raise d.Error(f"{self.out / 'simulated.npz'}: array 'garment': expected {expected} {shape}, found {found}")
+            expected = len(vertices), len(own["vertices"]), 3
+        self.require("simulated.npz", "garment", "frames of vertices, vertices of garment.npz, 3", expected, garment.shape)
         return self.animated(np.concatenate([vertices, garment], axis=1))
+
+    def require(self, name: str, array: str, what: str, expected: tuple, found: tuple) -> None:
+        """Files of one run go together; those of an earlier one are of other frames or meshes."""
+        if found != expected:
+            raise d.Error(f"{self.out / name}: array '{array}': expected {expected} ({what}), found {found}")
 
     def animated(self, surfaces: np.ndarray) -> Animated:
         """The reference motion as surfaces of the actor (T, V, 3), or of the dressed one (T, V + G, 3): a garment with a mesh of
