@@ -248,6 +248,24 @@ def test_usd_has_the_points_of_every_frame(character, motion, usd):
             np.testing.assert_allclose(mesh.GetExtentAttr().Get(t), [points.min(axis=0), points.max(axis=0)], atol=1e-6)
 
 
+def test_usd_of_what_is_left(character, motion, tmp_path, capsys):
+    """Without the display surface that of the simulation, in its own faces; without the body none."""
+    from pxr import Usd, UsdGeom
+
+    assert write_usdc(tmp_path / "few.usdc", character, motion, d.AnimateOptions(high=False, body=False)) == FRAMES
+    stage = Usd.Stage.Open(str(tmp_path / "few.usdc"))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/character/surface"))
+    assert len(mesh.GetPointsAttr().Get(0)) == len(character.actor.mesh.vertices)
+    faces = np.reshape(mesh.GetFaceVertexIndicesAttr().Get(), (-1, 3))
+    np.testing.assert_array_equal(faces, character.actor.mesh.faces[np.asarray(character.actor.face_valid, bool)])
+    assert not stage.GetPrimAtPath("/character/body") and [path.name for path in tmp_path.iterdir()] == ["few.usdc"]
+    character.write(tmp_path / "c.glb")
+    np.savez(tmp_path / "own.npz", dofs=motion.dofs)
+    words = ["animate", tmp_path / "c.glb", tmp_path / "own.npz", "-o", tmp_path / "x.glb", "--no-animate-high", "--lod", "8"]
+    assert cli.main([*map(str, words)]) == 1
+    assert "--lod: expected the display surface to draw less of" in capsys.readouterr().err
+
+
 def test_usd_has_the_skeleton(character, motion, usd):
     from pxr import Usd, UsdSkel
 

@@ -54,6 +54,8 @@ def animate(
         raise ValueError(f"{out}: expected a .bvh or .glb for bones of other names, found {out.suffix}")
     if output and output.triangles and out.suffix == ".bvh":
         raise ValueError(f"{out}: expected a .glb, .npz, .usdc, .mp4 or _vat.png for a level of detail, found {out.suffix}")
+    if output and output.triangles and not output.animation.high:
+        raise ValueError("--lod: expected the display surface to draw less of, found it left out (--no-animate-high)")
     if out.suffix == ".usdc":
         usd_modules()  # before the work
     context, output = console.context(), output or Output()

@@ -52,11 +52,12 @@ def texture_path(out: Path, character: d.Character) -> Path:
 class Stage:
     """A stage that frames are written to, one after the other."""
 
-    def __init__(self, character: d.Character, texture: str, drawn: d.TexturedFaces):
+    def __init__(self, character: d.Character, texture: str, drawn: d.TexturedFaces, options: d.AnimateOptions):
         self.pxr = usd_modules()
         usd, geometry = self.pxr.Usd, self.pxr.UsdGeom
         self.character = character
         self.drawn, self.vertices = drawn, np.unique(drawn.faces)  # of M_high
+        self.has_high = options.high and len(character.high.faces) > 0
         # In memory until it is whole: there is one place where writing can fail.
         self.stage = usd.Stage.Open(self.pxr.Sdf.Layer.CreateAnonymous(".usdc"))
         fps = 1 / character.solver.dt
@@ -68,7 +69,7 @@ class Stage:
         self.stage.SetDefaultPrim(self.root.GetPrim())
         self.frames = 0
         self.add_skeleton()
-        self.surface, self.body = self.add_surface(texture), self.add_body()
+        self.surface, self.body = self.add_surface(texture), self.add_body() if options.body else None
 
     # --- what stays
 
@@ -96,7 +97,7 @@ class Stage:
 
     def add_surface(self, texture: str):
         c = self.character
-        if not len(c.high.faces):
+        if not self.has_high:
             return self.add_mesh("surface", c.actor.mesh.faces[np.asarray(c.actor.face_valid, bool)], self.add_material("cloth"))
         faces = np.searchsorted(self.vertices, self.drawn.faces)
         mesh = self.add_mesh("surface", faces, self.add_material("surface", texture=texture))
@@ -161,7 +162,7 @@ class Stage:
 
     def write_frame(self, frame: d.AnimationFrame) -> None:
         self.write_pose(frame.index, frame.dofs)
-        self.write_points(self.surface, frame.index, frame.high[self.vertices] if len(frame.high) else frame.surface)
+        self.write_points(self.surface, frame.index, frame.high[self.vertices] if self.has_high else frame.surface)
         if self.body is not None:
             self.write_points(self.body, frame.index, frame.body)
         self.frames = frame.index + 1
@@ -208,13 +209,14 @@ def write_usdc(
     it, and the skeleton. The texture lies beside it, OUT.jpg. `drawn`: faces in the place of the surface's; None or empty = its
     own. Returns the number of frames."""
     usd_modules()
-    out, texture = Path(out), ""
-    if len(character.texture) and len(character.high.faces):
+    out, texture, options = Path(out), "", options or d.AnimateOptions()
+    if len(character.texture) and len(character.high.faces) and options.high:
         texture = texture_path(out, character).name
         with written_atomically(texture_path(out, character)) as beside:
             beside.write_bytes(character.texture)
     with written_atomically(out) as beside:
-        stage = Stage(character, texture, drawn if drawn is not None and len(drawn.faces) else d.drawn_faces(character))
-        count = d.animate_each(character, motion, stage.write_frame, options or d.AnimateOptions(), context or d.Context())
+        faces = drawn if drawn is not None and len(drawn.faces) else d.drawn_faces(character)
+        stage = Stage(character, texture, faces, options)
+        count = d.animate_each(character, motion, stage.write_frame, options, context or d.Context())
         stage.save(beside, out)
     return count
