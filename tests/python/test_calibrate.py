@@ -102,6 +102,8 @@ def test_cameras_in_another_world_are_the_same_cameras():
         (("--calibrate", "keypoints", "--field-of-view", 0), "--field-of-view: expected a number in [1, 170], found 0"),
         (("--calibration", EXAMPLE / "calibration.yml", "--calibrate", "keypoints"), "--calibrate: expected no --calibration"),
         (("--keypoints", "keypoints"), "--keypoints: expected --calibration FILE beside it, found none"),
+        (("--calibrate", "keypoints", "--without", "cam0"), "--without: expected --calibration"),
+        (("--calibrate", "keypoints", "--offset", "cam1=2"), "--offset cam1: expected one of the cameras cam0, cam2, cam4, cam6"),
         (("--calibrate", "nothing"), "nothing: no such file or folder"),
         (("--calibrate", "videos"), "videos: expected a JSON file, or a folder of them, for each camera, found none"),
     ],

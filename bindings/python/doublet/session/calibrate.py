@@ -30,6 +30,8 @@ def require_one_way(request: Request) -> None:
             "expected --calibration FILE, or --calibrate KEYPOINTS (the person's joints in the videos, as MediaPipe or OpenPose "
             "write them), found neither"
         )
+    if request.without and not request.calibration:
+        raise ValueError("--without: expected --calibration, of whose cameras it leaves out some, found --calibrate")
     for flag, value, least, most in (("--height", request.height, 0.3, 3), ("--field-of-view", request.field_of_view, 1, 170)):
         if value is None:
             continue

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +25,8 @@ def filmed_cameras(request: Request, console: Console, messages: list[str]) -> l
     calibrated = chosen_cameras(request, messages) if request.calibration else None
     files = list_files(request.videos)
     names = [c.camera.name for c in calibrated] if calibrated else names_of(files, request)
+    if not calibrated:
+        require_known("--offset", request.offsets, names, "cameras")
     files = match(names, files, request.cameras)
     masks = match(names, list_files(request.masks), what="mask series") if request.masks else {}
     plates = match(names, list_files(request.background, single_images=True), what="clean plate") if request.background else {}
@@ -54,12 +57,16 @@ def chosen_cameras(request: Request, messages: list[str]) -> list[d.CalibratedCa
     calibrated = d.read_calibration(request.calibration, request.calibration_options, said)
     names = [c.camera.name for c in calibrated]
     for flag, given in (("--without", request.without), ("--offset", request.offsets)):
-        for name in given:
-            if name not in names:
-                raise ValueError(f"{flag} {name}: expected one of the calibration's cameras {', '.join(names)}")
+        require_known(flag, given, names, "calibration's cameras")
     if not set(names) - set(request.without):
         raise ValueError("--without: expected a camera that is left, found none")
     return [c for c in calibrated if c.camera.name not in request.without]
+
+
+def require_known(flag: str, given: Iterable[str], names: Sequence[str], what: str) -> None:
+    for name in given:
+        if name not in names:
+            raise ValueError(f"{flag} {name}: expected one of the {what} {', '.join(names)}")
 
 
 def names_of(files: list[CameraFile], request: Request) -> list[str]:
