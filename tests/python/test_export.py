@@ -248,6 +248,18 @@ def test_usd_has_the_points_of_every_frame(character, motion, usd):
             np.testing.assert_allclose(mesh.GetExtentAttr().Get(t), [points.min(axis=0), points.max(axis=0)], atol=1e-6)
 
 
+def test_usd_that_is_stopped_leaves_no_texture(character, motion, tmp_path):
+    """A picture of another character beside the .usdc of before would be taken for its own."""
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    assert len(character.texture)
+    with pytest.raises(KeyboardInterrupt):
+        write_usdc(tmp_path / "new.usdc", character, motion, context=d.Context(progress=stop))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_usd_of_what_is_left(character, motion, tmp_path, capsys):
     """Without the display surface that of the simulation, in its own faces; without the body none."""
     from pxr import Usd, UsdGeom

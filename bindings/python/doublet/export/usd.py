@@ -212,11 +212,12 @@ def write_usdc(
     out, texture, options = Path(out), "", options or d.AnimateOptions()
     if len(character.texture) and len(character.high.faces) and options.high:
         texture = texture_path(out, character).name
-        with written_atomically(texture_path(out, character)) as beside:
-            beside.write_bytes(character.texture)
     with written_atomically(out) as beside:
         faces = drawn if drawn is not None and len(drawn.faces) else d.drawn_faces(character)
         stage = Stage(character, texture, faces, options)
         count = d.animate_each(character, motion, stage.write_frame, options, context or d.Context())
+        if texture:  # what is stopped before leaves neither
+            with written_atomically(texture_path(out, character)) as image:
+                image.write_bytes(character.texture)
         stage.save(beside, out)
     return count
