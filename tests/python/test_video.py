@@ -64,6 +64,19 @@ def test_who_walks_away_is_followed(character):
     assert not np.allclose(automatic[0].centre, automatic[-1].centre)
 
 
+@pytest.mark.parametrize("camera", ["front", "follow", "orbit"])
+def test_a_leap_in_a_long_motion_stays_in_the_picture(character, camera):
+    """It takes half a second of 50."""
+    names = character.actor.skeleton.dof_names
+    dofs, shot = np.zeros((2000, len(names))), Shot(camera=camera)
+    for name, size in (("pelvis.tx", 1.5), ("pelvis.ty", 0.6)):
+        dofs[1010:1030, names.index(name)] = size * np.sin(np.linspace(0, np.pi, 20))
+    cameras = cameras_along(character, d.Motion(40, dofs), 2000, shot)
+    for pose, filming in zip(dofs[1005:1035], cameras[1005:1035]):
+        places = projected(skinned(character, pose), filming) * filming.K[0, 0]
+        assert np.abs(places).max() < 360
+
+
 def test_an_orbit_goes_round_once(character):
     motion = walk(character, 0.0)
     cameras = cameras_along(character, motion, 80, Shot(camera="orbit", turn_seconds=2.0))

@@ -12,7 +12,7 @@ CAMERAS = ("auto", "front", "follow", "orbit")
 FILLED, FILLED_ACROSS = 0.85, 0.92  # of the picture's height and width, at most
 AZIMUTH, ELEVATION = 0.35, 0.1  # rad
 STILL = 0.4  # m from the middle, within which a motion is filmed by a camera that stands still
-LOOKED_AT, VIEWS = 24, 8  # poses; sides
+LOOKED_AT, VIEWS = 24, 8  # poses spread over the motion; sides
 SMALLEST, LARGEST = 16, 8192  # px
 
 
@@ -39,13 +39,13 @@ class Shot:
 def cameras_along(character: d.Character, motion: d.Motion, count: int, shot: Shot) -> list[d.Camera]:
     """One camera a frame, a little above."""
     frames = np.linspace(0, len(motion) - 1, count).round().astype(int)
-    path = smooth_path(character, motion)
-    looked_at = np.unique(np.linspace(0, len(motion) - 1, LOOKED_AT).round().astype(int))
-    bodies = [skinned(character, motion.dofs[t]) for t in looked_at]
+    joints = np.array([character.actor.skeleton.joint_positions(dofs) for dofs in motion.dofs])
+    path = smooth_path(joints[:, 0], motion.fps)
     if shot.camera == "front" or (shot.camera == "auto" and reach(path) < STILL):
+        bodies = [skinned(character, motion.dofs[t]) for t in looked_at(joints)]
         target, radius = framed(np.concatenate(bodies), [AZIMUTH], shot)
         return [camera_at(target, radius, AZIMUTH, shot)] * count
-    around = np.concatenate([body - path[t] for body, t in zip(bodies, looked_at)])
+    around = np.concatenate([skinned(character, motion.dofs[t]) - path[t] for t in looked_at(joints - path[:, None])])
     if shot.camera == "orbit":
         views = np.linspace(0, 2 * np.pi, VIEWS, endpoint=False)
         offset, radius = framed(around, views, shot, np.zeros(3))
@@ -54,6 +54,15 @@ def cameras_along(character: d.Character, motion: d.Motion, count: int, shot: Sh
         offset, radius = framed(around, [AZIMUTH], shot)
         azimuths = np.full(count, AZIMUTH)
     return [camera_at(path[t] + offset, radius, azimuth, shot) for t, azimuth in zip(frames, azimuths)]
+
+
+def looked_at(joints: np.ndarray) -> np.ndarray:
+    """Which poses of (T, J, 3) m the picture is made for: some of all, and those in which a joint is farthest out, which may be
+    in between."""
+    turns = 2 * np.pi * np.arange(VIEWS) / VIEWS
+    ways = np.vstack([np.stack([np.sin(turns), 0 * turns, np.cos(turns)], axis=1), [[0, 1, 0], [0, -1, 0]]])
+    farthest = (joints @ ways.T).max(axis=1).argmax(axis=0)
+    return np.unique(np.concatenate([np.linspace(0, len(joints) - 1, LOOKED_AT).round().astype(int), farthest]))
 
 
 def reach(path: np.ndarray) -> float:
@@ -71,11 +80,9 @@ def skinned(character: d.Character, dofs: np.ndarray) -> np.ndarray:
     return d.pose_surface(character.actor, dofs)[np.unique(character.actor.mesh.faces[shown])]
 
 
-def smooth_path(character: d.Character, motion: d.Motion) -> np.ndarray:
-    """(T, 3) m: the root along the floor, over a second; its height counts as 0."""
-    skeleton = character.actor.skeleton
-    path = np.array([skeleton.joint_positions(dofs)[0] for dofs in motion.dofs])
-    window = max(1, round(motion.fps))
+def smooth_path(path: np.ndarray, fps: float) -> np.ndarray:
+    """(T, 3) m: the root's places (T, 3) along the floor, over a second; their height counts as 0."""
+    window = max(1, round(fps))
     padded = np.pad(path, ((window // 2, window - 1 - window // 2), (0, 0)), mode="edge")
     smooth = np.stack([np.convolve(padded[:, k], np.ones(window) / window, mode="valid") for k in range(3)], axis=1)
     return smooth * [1, 0, 1]
