@@ -133,6 +133,28 @@ def test_a_run_that_was_stopped_leaves_no_truth_to_the_next(made, character, mot
     assert [mask[:2] for mask in truth.masks()] == [("cam0", 0), ("cam0", 5), ("cam1", 0), ("cam1", 5)]
 
 
+def test_poses_of_an_animation_have_their_rate(character, motion, tmp_path):
+    """Those of a performance have that of the character."""
+    d.write_baked_npz(tmp_path / "own.npz", character, d.animate(character, motion))
+    np.savez(tmp_path / "performance.npz", dofs=motion.dofs)
+    slow = d.Character.read(written(character, tmp_path / "c.glb"))
+    slow.solver = d.SolverSettings(2 / FPS)
+    for name, wanted, fps, count in (
+        ("own", 0, 40, 14),
+        ("own", 20, 20, 7),
+        ("performance", 0, 20, 14),
+        ("performance", 30, 30, 14),
+    ):
+        read = read_motion(tmp_path / f"{name}.npz", slow, d.RetargetOptions(fps=wanted))
+        assert (read.fps, len(read)) == (fps, count), name
+        np.testing.assert_allclose(read.dofs, motion.dofs[:: 14 // count], atol=1e-6)
+
+
+def written(character, path):
+    character.write(path)
+    return path
+
+
 def test_wrong_input_is_one_sentence(made, character, motion, tmp_path):
     with pytest.raises(FileExistsError, match="session.json"):
         synthesize(character, motion, made, console=QUIET)

@@ -62,11 +62,12 @@ def read_motion(
     animation: str = "",
 ) -> d.Motion:
     """A clip (.bvh, .amc, .fbx, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the
-    same skeleton, as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of
+    same skeleton, as they are, at the rate of `retargeting.fps`, else the character's own; or those of an animation's .npz, which
+    has its rate. `bone_map`: a file of
     `doublet.bone_map`; what `retargeting.joint_names` says beats it. `animation`: of a .glb or .fbx, by name or number from 1."""
     path, context = Path(path), context or d.Context()
-    dofs = own_poses(path)
-    if dofs is None:
+    own = own_poses(path)
+    if own is None:
         clip = read_clip(path, animation)
         if len(clip.animations) > 1:
             context.log_line(f"{path}: plays the animation '{clip.animations[clip.animation]}' of {', '.join(clip.animations)}")
@@ -76,10 +77,14 @@ def read_motion(
         return d.retarget(clip, character.actor.skeleton, retargeting, context)
     if bone_map:
         raise ValueError(f"{path}: expected a clip on bones of its own for a bone map, found poses of the character's skeleton")
+    dofs, fps = own
     expected = len(character.actor.skeleton.dof_names)
     if dofs.ndim != 2 or dofs.shape[1] != expected or not len(dofs) or not np.isfinite(dofs).all():
         raise ValueError(f"{path}: expected finite 'dofs' of shape (T, {expected}), found {dofs.shape}")
-    return d.Motion(retargeting.fps or 1 / character.solver.dt, dofs)
+    wanted = retargeting.fps or fps or 1 / character.solver.dt
+    if np.isclose(fps or wanted, wanted):
+        return d.Motion(wanted, dofs)
+    return d.resample(character.actor.skeleton, d.Motion(fps, dofs), wanted)
 
 
 def centred(motion: d.Motion, skeleton: d.Skeleton) -> d.Motion:
@@ -91,14 +96,16 @@ def centred(motion: d.Motion, skeleton: d.Skeleton) -> d.Motion:
     return d.Motion(motion.fps, dofs)
 
 
-def own_poses(path: Path) -> np.ndarray | None:
-    """The array `dofs` of a performance.npz; None of any other file."""
+def own_poses(path: Path) -> tuple[np.ndarray, float | None] | None:
+    """The array `dofs` of a performance.npz, and the rate if the file has it, as that of an animation; None of any other file."""
     if path.suffix != ".npz":
         return None
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist")
     with arrays_of(path) as file:
-        return file["dofs"].astype(float) if "dofs" in file else None
+        if "dofs" not in file:
+            return None
+        return file["dofs"].astype(float), rate_of(path, file) if any(name in file for name in RATES) else None
 
 
 def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
