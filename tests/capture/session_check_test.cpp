@@ -254,6 +254,21 @@ TEST(SessionCheck, SilhouettesAreLookedAtInTheFirstFrameAlone) {
   EXPECT_SAYS(scene.impossible(), "camera cam3: expected silhouettes that show a person, found nothing in 1 of the 1");
 }
 
+TEST(SessionCheck, ACameraIsLookedAtWhereItFilmed) {
+  for (const bool ready : {false, true})
+    for (const int late : {-3, 3}) {
+      Scene scene;
+      scene.session.cameras[3].late = late;
+      if (!ready)
+        scene.session.cameras[3].masks.clear();
+      scene.film.mask_of = [&](int camera, int frame) {
+        const int own = frame + late;
+        return camera == 3 && (own < 0 || own >= kFrames) ? Image() : scene.masks[camera];
+      };
+      scene.nothing_found();
+    }
+}
+
 TEST(SessionCheck, MostMasksMissing) {
   Scene scene;
   scene.film.mask_of = [&](int camera, int frame) { return camera == 1 && frame > 4 ? Image() : scene.masks[camera]; };

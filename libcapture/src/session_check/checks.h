@@ -13,7 +13,7 @@ Findings check_joints(Evidence &evidence);
 Findings check_calibration(Evidence &evidence);
 /// What the containers say. Cameras that disagree are not synchronous; one rate for all may be slow motion.
 Findings check_rates(Evidence &evidence);
-/// Ready masks at a few frames, silhouettes at the first.
+/// Ready masks at a few frames, silhouettes at the first that the camera filmed.
 Findings check_masks(Evidence &evidence);
 /// A take need not begin in the scan's pose, nor where the scan stands: where nothing fits, it is looked for.
 Findings check_overlap(Evidence &evidence);

@@ -9,11 +9,15 @@ namespace {
 
 constexpr int kLooks = 5; // frames at which ready masks are looked at
 
-/// Spread over the take.
-std::set<int> looked_at(int frame_count) {
+/// The frames that a camera filmed, spread over the take, or the first of them.
+std::set<int> looked_at(const SessionCamera &camera, int frame_count, bool only_first) {
+  const int last_of_all = frame_count - 1, first = std::clamp(-camera.late, 0, last_of_all),
+            last = std::clamp(last_of_all - camera.late, first, last_of_all);
+  if (only_first)
+    return {first};
   std::set<int> frames;
   for (int i = 0; i < kLooks; ++i)
-    frames.insert(static_cast<int>(std::nearbyint(static_cast<double>(i) * (frame_count - 1) / (kLooks - 1))));
+    frames.insert(first + static_cast<int>(std::nearbyint(static_cast<double>(i) * (last - first) / (kLooks - 1))));
   return frames;
 }
 
@@ -44,7 +48,7 @@ Findings check_masks(Evidence &evidence) {
     const SessionCamera &camera = evidence.session.cameras[c];
     const bool ready = !camera.masks.empty();
     std::vector<double> shares;
-    for (const int frame : ready ? looked_at(evidence.frames.frame_count()) : std::set<int>{0})
+    for (const int frame : looked_at(camera, evidence.frames.frame_count(), !ready))
       shares.push_back(actor_share(evidence, static_cast<int>(c), frame));
     const Findings of_camera = check_shares("camera " + camera.name + ": ", ready ? "masks" : "silhouettes", shares);
     found.insert(found.end(), of_camera.begin(), of_camera.end());
