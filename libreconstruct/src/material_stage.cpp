@@ -32,6 +32,9 @@ void fit_together(const std::vector<Reconstruction *> &reconstructions) {
   for (const Reconstruction *each : reconstructions)
     if (!outs.insert(std::filesystem::weakly_canonical(each->out())).second)
       throw std::invalid_argument("fit_together: expected every take once, found " + each->out().string() + " twice");
+  const SolverSettings solver = reconstructions[0]->solver_settings();
+  for (Reconstruction *each : reconstructions)
+    require_same(solver, each->solver_settings(), "fit_together: " + each->out().string());
   std::vector<Garment> offered;
   std::size_t count = SIZE_MAX;
   for (Reconstruction *each : reconstructions) {
@@ -55,21 +58,21 @@ void fit_together(const std::vector<Reconstruction *> &reconstructions) {
 
   Reconstruction &first = *reconstructions[0];
   const Stage &stage = detail::stage_named(first.stages, "fit");
-  detail::Json options = detail::Json::parse(first.basis_of(stage).options);
-  options["takes"] = folders;
   FitOptions fit = first.fit_options();
   fit.log = first.path("fit_log.csv");
   fit.checkpoint = first.path(detail::kFitCheckpoint);
   for (Reconstruction *each : reconstructions)
-    each->record().begin(stage.name, {each->basis_of(stage).inputs, options.dump()});
+    each->record().begin(stage.name, each->basis_of(stage));
   const FitResult result = estimate_material(takes, fit, first.context());
+  detail::Json summary = detail::fit_summary(result);
+  summary["takes"] = folders;
   for (std::size_t k = 0; k < reconstructions.size(); ++k) {
     Reconstruction &each = *reconstructions[k];
     write_materials(each.path("material.json"), positions[k].empty() ? result : result.at_positions(positions[k]));
     if (&each != &first)
       std::filesystem::copy_file(fit.log, each.path("fit_log.csv"), std::filesystem::copy_options::overwrite_existing);
     each.results().forget();
-    each.record().end(stage.name, detail::fit_summary(result).dump(), stage.writes);
+    each.record().end(stage.name, summary.dump(), stage.writes);
   }
 }
 

@@ -145,7 +145,8 @@ def test_two_takes_have_one_material_and_the_sum_of_their_energies(fit, out, bel
     both = fitted(out)
     assert both == fitted(other) and log_without_seconds(out) == log_without_seconds(other)
     record = json.loads((other / "run.json").read_text())["stages"]["fit"]
-    assert record["state"] == "done" and record["options"]["takes"] == [str(out), str(other)]
+    assert record["state"] == "done" and record["summary"]["takes"] == [str(out), str(other)]
+    assert "fit: up to date" in finished(fit(out)) and fitted(out) == both  # whatever is run of one of them keeps it
     finished(fit(alone))  # the takes are one and the same here: twice the energy, the same minimum
     one, two = fitted(alone)["regions"][0], both["regions"][0]
     assert two["energy_at_centre"] == pytest.approx(2 * one["energy_at_centre"])
