@@ -183,7 +183,8 @@ void bind_stage(py::module_ &m) {
       .def_readonly("may_read", &Stage::may_read, "files of the folder that count as inputs if they are there")
       .def_readonly("continues_from", &Stage::continues_from, "files of it that a stage that was stopped goes on from")
       .def_readonly("option_groups", &Stage::option_groups, "that its results depend on")
-      .def_readonly("session_inputs", &Stage::session_inputs, "description, scan, calibration, joints, images")
+      .def_readonly("session_inputs", &Stage::session_inputs,
+                    "description, name, scan_from_views, scan, calibration, joints, keypoints, images")
       .def_readonly("runner", &Stage::runner, "whose work it is; empty = doublet's")
       .def(
           "run",

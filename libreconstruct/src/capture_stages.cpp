@@ -97,7 +97,8 @@ CaptureResult capture(Reconstruction &reconstruction, const CaptureOptions &opti
   std::string last;
   Context context = reconstruction.context();
   context.log = [&](const std::string &line) {
-    last = line.substr(line.find(": ") + 2);
+    const std::size_t name = line.find(": ");
+    last = name == std::string::npos ? line : line.substr(name + 2);
     reconstruction.context().log_line(line);
   };
   const auto frames = FrameSource::open(reconstruction.session());

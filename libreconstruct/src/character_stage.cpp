@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <set>
 
@@ -73,8 +74,12 @@ double bake_take(Reconstruction &reconstruction, Character &character, const Ref
   return seen;
 }
 
-/// IoU of the re-animated surface with the silhouettes, mean over frames of means over the cameras that have one; none if no
-/// frame has.
+bool shows_somebody(const Image &mask) {
+  return std::any_of(mask.data.begin(), mask.data.end(), [](std::uint8_t pixel) { return pixel > 0; });
+}
+
+/// IoU of the re-animated surface with the silhouettes, mean over frames of means over the cameras that see the actor; none if
+/// none does in any frame.
 std::optional<double> overlap_with_film(Reconstruction &reconstruction, const ReferencePerformance &performance,
                                         const std::vector<Vertices> &simulated) {
   const RiggedMesh &actor = reconstruction.results().dressed().actor;
@@ -89,7 +94,7 @@ std::optional<double> overlap_with_film(Reconstruction &reconstruction, const Re
     double overlap = 0;
     int cameras = 0;
     for (std::size_t c = 0; c < views.masks.size(); ++c) {
-      if (views.masks[c].data.empty())
+      if (!shows_somebody(views.masks[c]))
         continue;
       const FaceBuffer drawn = rasterize(simulated[row], actor.mesh.faces, film.rig()[c], actor.face_valid);
       overlap += mask_iou(silhouette(drawn), views.masks[c]);

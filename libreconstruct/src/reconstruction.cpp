@@ -102,14 +102,15 @@ const Session &Reconstruction::session() {
 }
 
 void Reconstruction::set_session(Session session) {
+  reread_session();
   session_ = std::move(session);
-  if (silhouettes_)
-    former_silhouettes_.push_back(std::move(*silhouettes_));
-  silhouettes_.reset();
 }
 
 void Reconstruction::reread_session() {
   session_.reset();
+  if (silhouettes_) // trained on the cameras and clean plates that there were
+    former_silhouettes_.push_back(std::move(*silhouettes_));
+  silhouettes_.reset();
 }
 
 Session Reconstruction::filmed() {
@@ -150,6 +151,7 @@ bool Reconstruction::run_all(bool force) {
 
 bool Reconstruction::run(const std::vector<std::string> &names, bool force) {
   bool needs_scan = false, ran = false;
+  findings_.clear();
   for (const std::string &name : names)
     needs_scan |= detail::stage_named(stages, name).needs_scan;
   begin(needs_scan);
@@ -286,6 +288,10 @@ StageBasis Reconstruction::basis_of(const Stage &stage) {
   if (contains(stage.session_inputs, "images"))
     list_film(
         session(), [&](const Path &file) { return name_in_session(file); }, listed);
+  if (contains(stage.session_inputs, "name"))
+    listed["session.name"] = session().name;
+  if (contains(stage.session_inputs, "scan_from_views"))
+    listed["session.scan_from_views"] = session().scan_from_views;
   if (stage.uses_seed)
     listed["seed"] = options.seed;
   if (contains(stage.option_groups, "energy"))

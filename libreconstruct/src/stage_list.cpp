@@ -48,7 +48,7 @@ std::vector<Stage> default_stages() {
        .writes = {"segmentation.npz"},
        .may_read = {kPaint, kRefinedCalibration},
        .option_groups = {"silhouette", "key", "background", "segment", "opposite", "body"},
-       .session_inputs = {"joints", "calibration", "images"},
+       .session_inputs = {"scan_from_views", "joints", "calibration", "images"},
        .uses_body_model = true,
        .run = as_text(run_segment)},
       {.name = "body",
@@ -76,7 +76,7 @@ std::vector<Stage> default_stages() {
        .writes = {"simulated.npz", "character.glb"},
        .may_read = {kRefinedCalibration},
        .option_groups = {"silhouette", "key", "background", "cloth", "energy", "texture"},
-       .session_inputs = {"calibration", "images"},
+       .session_inputs = {"name", "calibration", "images"},
        .run = as_text(run_character)},
   };
 }
@@ -95,9 +95,11 @@ std::vector<Path> session_files(const Session &session, const std::string &kind)
     return if_any(session.markers);
   if (kind == "keypoints")
     return if_any(session.keypoints);
+  if (kind == "name" || kind == "scan_from_views") // values of its description
+    return {};
   if (kind != "images")
-    throw std::invalid_argument("Stage: session_inputs: expected description, scan, calibration, joints, keypoints or images, "
-                                "found '" +
+    throw std::invalid_argument("Stage: session_inputs: expected description, name, scan_from_views, scan, calibration, joints, "
+                                "keypoints or images, found '" +
                                 kind + "'");
   std::vector<Path> files;
   for (const SessionCamera &camera : session.cameras)

@@ -201,3 +201,9 @@ def test_silhouettes_outlive_the_session_that_they_were_made_for(world, tmp_path
     made.session = d.Session(tmp_path)
     np.testing.assert_array_equal(silhouettes.extract(0, image), before)
     assert made.silhouettes is not silhouettes
+    described["cameras"] = described["cameras"][:1]
+    (tmp_path / "session.json").write_text(json.dumps(described))
+    made.reread_session()  # its files were changed: what was trained on the cameras that there were is not used on
+    np.testing.assert_array_equal(made.silhouettes.extract(0, image), before)
+    with pytest.raises(ValueError, match="camera"):
+        made.silhouettes.extract(1, image)

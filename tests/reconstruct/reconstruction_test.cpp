@@ -211,6 +211,59 @@ TEST_F(TwoStages, ATakeCountsOnceInAFitOfSeveral) {
   EXPECT_THROW(fit_together({one.get(), same.get()}), std::invalid_argument);
 }
 
+TEST_F(TwoStages, TakesOfOtherRatesAreNotFittedTogether) {
+  const auto one = make();
+  Reconstruction faster(folder.path() / "session", folder.path() / "faster");
+  Session session = one->session();
+  session.fps = 50;
+  faster.set_session(session);
+  try {
+    fit_together({one.get(), &faster});
+    FAIL();
+  } catch (const std::invalid_argument &error) {
+    EXPECT_NE(std::string(error.what()).find("faster: solver setting dt: expected 0.025, found 0.02"), std::string::npos);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "faster"));
+}
+
+TEST_F(TwoStages, FindingsAreThoseOfTheLastRun) {
+  auto made = make();
+  std::string findings = R"({"findings": [{"impossible": false, "text": "a hat of cloth", "kind": "cloth_ends"}]})";
+  made->replace(
+      "one",
+      [&](Reconstruction &self) {
+        write_text(self.path("a.txt"), "a");
+        return findings;
+      },
+      "");
+  for (const bool force : {true, false}) {
+    made->run({"one"}, force);
+    EXPECT_EQ(made->findings().size(), 1u);
+  }
+  findings = "{}";
+  made->run({"one"}, true);
+  EXPECT_TRUE(made->findings().empty());
+}
+
+TEST_F(TwoStages, ValuesOfTheSessionCountWhereTheyAreAskedFor) {
+  const auto runs = [&](const std::string &name, bool scan_from_views) {
+    auto made = make();
+    Session session = made->session();
+    session.name = name;
+    session.scan_from_views = scan_from_views;
+    made->set_session(session);
+    made->stages[0].session_inputs = {"name"};
+    made->stages[1].session_inputs = {"scan_from_views"};
+    const std::pair before(first, second);
+    made->run({"one", "two"});
+    return std::pair(first - before.first, second - before.second);
+  };
+  EXPECT_EQ(runs("dance", false), std::pair(1, 1));
+  EXPECT_EQ(runs("walk", false), std::pair(1, 0));
+  EXPECT_EQ(runs("walk", true), std::pair(0, 1));
+  EXPECT_EQ(runs("walk", true), std::pair(0, 0));
+}
+
 TEST_F(TwoStages, WhatIsLoggedIsInAFile) {
   auto made = make();
   made->replace(

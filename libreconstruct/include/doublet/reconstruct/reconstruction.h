@@ -36,7 +36,9 @@ struct Stage {
   std::vector<std::string> may_read = {};           ///< files of it that count as inputs if they are there
   std::vector<std::string> continues_from = {};     ///< files of it that a stage that was stopped goes on from
   std::vector<std::string> option_groups = {};      ///< that its results depend on, see for_each_group()
-  std::vector<std::string> session_inputs = {};     ///< "description", "scan", "calibration", "joints", "images"
+  /// "scan", "calibration", "joints", "keypoints", "images"; "description", all of session.json, or "name" and "scan_from_views",
+  /// these values of it alone.
+  std::vector<std::string> session_inputs = {};
   bool uses_seed = false, uses_body_model = false;
   bool needs_scan = true;  ///< a session without scan and joints is refused
   Run run = {};            ///< the work; returns a JSON object as text: the numbers worth recording in run.json
