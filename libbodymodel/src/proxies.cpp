@@ -525,8 +525,6 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
   for (const Bone &bone : anatomy.bones)
     clothed.push_back(bone.chosen);
   Capsules capsules = fit_bones(target, anatomy, clothed, under, areas, actor.skeleton, options);
-  if (capsules.shape.empty())
-    return {};
   const Capsules beside = fit_bones(target, anatomy, reaching, under, areas, actor.skeleton, options);
   capsules.shape.insert(capsules.shape.end(), beside.shape.begin(), beside.shape.end());
   capsules.joint.insert(capsules.joint.end(), beside.joint.begin(), beside.joint.end());
