@@ -134,6 +134,7 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
                                 " vertices, the character has " + std::to_string(actor_.mesh.vertices.rows()));
   if (surface && !surface->allFinite())
     throw std::invalid_argument("CharacterSimulator::start: surface: expected finite positions, found NaN or infinity");
+  require_frame(frame, "CharacterSimulator::start");
   CharacterState state;
   const Vertices spread = has_rest_shape()
                               ? dual_quaternion_skinning(start_shape_, actor_.weights, actor_.skeleton, frame.world_from_rest)
@@ -166,6 +167,8 @@ void CharacterSimulator::pin(CharacterState &state, const PosedFrame &frame) con
 
 void CharacterSimulator::move_rigidly(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const {
   require_state(state, "CharacterSimulator::move_rigidly");
+  require_frame(from, "CharacterSimulator::move_rigidly");
+  require_frame(to, "CharacterSimulator::move_rigidly");
   const Eigen::Isometry3d way = to.world_from_rest.at(0) * from.world_from_rest.at(0).inverse();
   for (pbd::ClothState &cloth : state.regions)
     for (Eigen::Index i = 0; i < cloth.positions.rows(); ++i) {
@@ -197,6 +200,8 @@ void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous,
                               const std::vector<pbd::Material> &materials, const StepEnvironment &world,
                               StepBuffers &buffers) const {
   check_regions(state, materials, regions_.size());
+  require_frame(previous, "CharacterSimulator::step");
+  require_frame(current, "CharacterSimulator::step");
   buffers.targets.resize(regions_.size());
   buffers.previous_targets.resize(regions_.size());
   for (std::size_t r = 0; r < regions_.size(); ++r) {
@@ -235,6 +240,9 @@ std::vector<DivergedRegion> CharacterSimulator::step_batch(std::span<CharacterSt
         std::to_string(count));
   for (std::size_t i = 0; i < count; ++i)
     check_regions(*states[i], *materials[i], regions_.size());
+  for (std::size_t i = 0; i < poses; ++i)
+    for (const PosedFrame *frame : {previous[i], current[i]})
+      require_frame(*frame, "CharacterSimulator::step_batch");
   std::vector<DivergedRegion> failed;
   for (int r = 0; r < static_cast<int>(regions_.size()); ++r)
     for (int i : step_region(r, states, previous, current, materials, worlds, threads))
@@ -251,6 +259,8 @@ std::vector<int> CharacterSimulator::step_region(int region, std::span<Character
                                 std::to_string(materials.size()) + " and " + std::to_string(states.size()));
   for (std::size_t i = 0; i < states.size(); ++i)
     check_regions(*states[i], *materials[i], regions_.size());
+  require_frame(previous, "CharacterSimulator::step_region");
+  require_frame(current, "CharacterSimulator::step_region");
   const PosedFrame *const before = &previous, *const after = &current;
   StepEnvironment world;
   world.dt = dt;
@@ -295,13 +305,20 @@ Vertices CharacterSimulator::surface(const CharacterState &state, const PosedFra
 
 void CharacterSimulator::surface(const CharacterState &state, const PosedFrame &frame, Vertices &result) const {
   require_state(state, "CharacterSimulator::surface");
-  if (frame.skinned.rows() != actor_.mesh.vertices.rows())
-    throw std::invalid_argument("CharacterSimulator::surface: the frame has " + std::to_string(frame.skinned.rows()) +
-                                " vertices, the character " + std::to_string(actor_.mesh.vertices.rows()));
+  require_frame(frame, "CharacterSimulator::surface");
   result = frame.skinned;
   for (std::size_t r = 0; r < regions_.size(); ++r)
     for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
       result.row(regions_[r].vertex_from_cloth[i]) = state.regions[r].positions.row(static_cast<Eigen::Index>(i));
+}
+
+void CharacterSimulator::require_frame(const PosedFrame &frame, const char *caller) const {
+  const auto vertices = actor_.mesh.vertices.rows();
+  const auto joints = static_cast<std::size_t>(actor_.skeleton.joint_count());
+  if (frame.skinned.rows() != vertices || frame.world_from_rest.size() != joints)
+    throw std::invalid_argument(std::string(caller) + ": the frame has " + std::to_string(frame.skinned.rows()) +
+                                " vertices and " + std::to_string(frame.world_from_rest.size()) + " joints, the character " +
+                                std::to_string(vertices) + " and " + std::to_string(joints));
 }
 
 void CharacterSimulator::require_state(const CharacterState &state, const char *caller) const {
@@ -327,7 +344,7 @@ std::vector<Eigen::VectorXd> lead_in_poses(const Skeleton &skeleton, const Eigen
   for (const Joint &joint : skeleton.joints)
     if (joint.kind == JointKind::Root)
       rest.segment(joint.first_dof, joint.dof_count) = dofs.segment(joint.first_dof, joint.dof_count);
-  if ((dofs - rest).cwiseAbs().maxCoeff() < kNear)
+  if ((dofs - rest).lpNorm<Eigen::Infinity>() < kNear)
     return {dofs};
   const auto steps = static_cast<int>(std::ceil(kSeconds / dt));
   std::vector<Eigen::VectorXd> poses{rest};

@@ -74,6 +74,35 @@ TEST(CharacterSimulator, ClothThatIsPutOnGoesAlongThroughAllOfTheWay) {
   EXPECT_THROW(simulator.drape_along({}, materials, world), std::invalid_argument);
 }
 
+TEST(CharacterSimulator, AFrameOfAnotherCharacterIsRefused) {
+  const RiggedMesh actor = figure_actor(0.05);
+  const Eigen::Index count = actor.mesh.vertices.rows();
+  Segmentation shins;
+  shins.region_count = 1;
+  shins.clothness = (actor.mesh.vertices.col(1).array() < 0.4).cast<double>();
+  shins.region = (actor.mesh.vertices.col(1).array() < 0.4).select(Eigen::VectorXi::Zero(count), -Eigen::VectorXi::Ones(count));
+  const CharacterSimulator simulator(actor, shins, {});
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(actor.skeleton.dof_count());
+  const RiggedMesh coarse = figure_actor(0.08);
+  const Eigen::Index fewer = coarse.mesh.vertices.rows();
+  const Segmentation bare{Eigen::VectorXd::Zero(fewer), Eigen::VectorXd::Zero(fewer), -Eigen::VectorXi::Ones(fewer), 0};
+  const PosedFrame own = simulator.pose(rest), other = CharacterSimulator(coarse, bare, {}).pose(rest);
+  CharacterState state = simulator.start(own);
+  const std::vector<pbd::Material> materials(1);
+  const std::vector<CharacterState *> states{&state};
+  const std::vector<const std::vector<pbd::Material> *> given{&materials};
+  EXPECT_THROW(simulator.start(other), std::invalid_argument);
+  EXPECT_THROW(simulator.start(PosedFrame()), std::invalid_argument);
+  EXPECT_THROW(simulator.move_rigidly(state, other, own), std::invalid_argument);
+  EXPECT_THROW(simulator.move_rigidly(state, own, PosedFrame()), std::invalid_argument);
+  EXPECT_THROW(simulator.settle(state, other, materials, 0.025, 1), std::invalid_argument);
+  EXPECT_THROW(simulator.step(state, other, own, materials, 0.025), std::invalid_argument);
+  EXPECT_THROW(simulator.step_batch(states, own, other, given, 0.025), std::invalid_argument);
+  EXPECT_THROW(simulator.step_region(0, states, other, own, given, 0.025), std::invalid_argument);
+  EXPECT_THROW(simulator.surface(state, other), std::invalid_argument);
+  EXPECT_NO_THROW(simulator.step(state, own, own, materials, 0.025));
+}
+
 /// A trouser leg that is twice as wide at rest is where cloth begins; one that the leg has left is not.
 TEST(CharacterSimulator, ClothBeginsAtARestShapeThatTheLimbsAreStillIn) {
   const RiggedMesh actor = figure_actor(0.05);

@@ -52,6 +52,7 @@ struct DivergedRegion {
 };
 
 /// A copy is cheap beside what it does: models and solvers are shared.
+/// A frame of another character is refused with std::invalid_argument.
 /// Threads: all methods are const and may be called from several at once, with different states and buffers.
 class CharacterSimulator {
 public:
@@ -123,6 +124,8 @@ private:
                                std::span<const std::vector<pbd::Material> *const> materials,
                                std::span<const StepEnvironment> worlds, int threads) const;
   void pin(CharacterState &state, const PosedFrame &frame) const;
+  /// As many vertices and joints as the character's; else std::invalid_argument naming the caller.
+  void require_frame(const PosedFrame &frame, const char *caller) const;
   RiggedMesh actor_;
   std::vector<TaperedCapsule> proxies_;
   pbd::ClothOptions options_;
@@ -132,7 +135,7 @@ private:
 };
 
 /// Poses (D) that lead in from the rest pose, with its root where `dofs` has it, to `dofs`, `dt` s apart, in 0.6 s: there the
-/// cloth is draped first (CharacterSimulator::drape_along). `dofs` alone where all joints are within 20 degrees of the rest pose.
+/// cloth is draped first (CharacterSimulator::drape_along). `dofs` alone where no angle is over 20 degrees from the rest pose.
 /// A rest shape that the skin weights carry to a lunge or a crouch is several times as long as at rest, and would spring back
 /// through itself.
 std::vector<Eigen::VectorXd> lead_in_poses(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double dt);
