@@ -483,7 +483,14 @@ std::vector<FitFinding> RegionFit::findings(const ParameterSpace &space) const {
 
 void FitOptions::validate() const {
   options::check(*this);
-  cma_options(*this, seed).validate();
+  if (make_optimizer)
+    return;
+  if (optimizer == SearchMethod::CmaEs)
+    cma_options(*this, seed).validate();
+  else if (optimizer == SearchMethod::Annealing)
+    annealing_options(*this, seed).validate();
+  else
+    bayesian_options(*this, {space, 1}, seed).validate();
 }
 
 std::vector<std::string> FitResult::parameters() const {
@@ -528,6 +535,11 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
   require(!takes.empty() && !takes[0].widths.empty() && takes[0].widths[0],
           "estimate_material: takes: expected at least one with a simulator, found none");
   const CharacterSimulator &simulator = *takes[0].widths[0];
+  for (const Take &take : takes) {
+    require(take.dt > 0, "estimate_material: takes: expected a dt above 0, found " + options::to_text(take.dt));
+    require(!take.widths.empty() && take.widths[0] && take.widths[0]->regions().size() == simulator.regions().size(),
+            "estimate_material: takes: expected a simulator of as many cloth regions in all, found others");
+  }
   FitResult result;
   result.space = options.space;
   result.widths = static_cast<int>(takes[0].widths.size());
@@ -543,7 +555,7 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
   AllTakes objective(takes, options, context);
   for (const Take &take : takes)
     if (!has_matches(*take.observations))
-      context.log_line("fit: no feature matches: E_fit is the silhouettes' term alone");
+      context.log_line("fit: no feature matches: E_fit is without their term");
   Searches searches(objective, options.seeds);
   const FitResult frame = result; // what every interrupted result has
   const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, searched, frame), context);

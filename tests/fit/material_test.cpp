@@ -714,6 +714,14 @@ TEST(EstimateMaterial, SeveralTakesHaveOneAnswer) {
   const auto two = make_scene({cotton(), cotton()}, {12, 2, 160});
   const Take other{{two->simulator.get()}, &two->performance, &two->observations, kDt};
   EXPECT_THROW(estimate_material({first, other}, options), std::invalid_argument);
+  const Eigen::Index count = a->simulator->actor().mesh.vertices.rows();
+  const CharacterSimulator bare(
+      a->simulator->actor(), {Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), -Eigen::VectorXi::Ones(count), 0}, {});
+  Take without_cloth{{&bare}, &a->performance, &a->observations, kDt};
+  EXPECT_THROW(estimate_material({without_cloth, first}, options), std::invalid_argument);
+  EXPECT_TRUE(estimate_material({without_cloth}, options).regions.empty());
+  without_cloth.dt = 0;
+  EXPECT_THROW(estimate_material({without_cloth}, options), std::invalid_argument);
 }
 
 TEST(EstimateMaterial, SaysWhatItHasAfterEveryGeneration) {
