@@ -118,6 +118,14 @@ Vertices narrowed(const Character &c) {
 
 } // namespace
 
+TEST(DisplaySurface, OfAGarmentAloneThereIsNoSkin) {
+  Wearer w = wearer();
+  w.segmentation.region.setZero();
+  w.segmentation.clothness.setOnes();
+  const DisplayMesh display = build_display_mesh(w.actor, w.segmentation, w.high);
+  EXPECT_GT(std::count(display.valid.begin(), display.valid.end(), 1), 0);
+}
+
 TEST(DisplaySurface, HemIsOneSmoothCurve) {
   const Wearer w = wearer();
   const DisplayMesh display = build_display_mesh(w.actor, w.segmentation, w.high);

@@ -351,6 +351,20 @@ TEST(BakedFile, NpzHoldsTheAnimation) {
   EXPECT_EQ(npz.text("joint_names")[0], "pelvis");
 }
 
+TEST(BakedFile, AnAnimationOfAnotherCharacterIsRefused) {
+  const TempFolder folder;
+  const Character c = figure_character();
+  const AnimationResult animation = animate(c, {40, marching(c.actor.skeleton, 9, 40)});
+  ASSERT_FALSE(animation.body.empty());
+  for (const auto frames : {&AnimationResult::surface, &AnimationResult::body, &AnimationResult::joints}) {
+    AnimationResult wrong = animation;
+    (wrong.*frames)[7].conservativeResize(5, 3);
+    EXPECT_THROW(write_baked_npz(folder / "a.npz", c, wrong), std::invalid_argument);
+    EXPECT_THROW(write_baked_glb(folder / "a.glb", c, wrong), std::invalid_argument);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(BakedFile, GlbHasOneShapeAKey) {
   const TempFolder folder;
   const Character c = figure_character();

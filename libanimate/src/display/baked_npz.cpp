@@ -5,6 +5,7 @@
 #include "doublet/files/files.h"
 #include "doublet/files/npz.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <numeric>
 
@@ -45,13 +46,15 @@ std::vector<double> joint_rotations(const Skeleton &skeleton, const MatrixRM &do
 void require_animation(const Character &character, const AnimationResult &animation) {
   validate_character(character);
   const auto frames = static_cast<Eigen::Index>(animation.surface.size());
-  const bool sizes = frames > 0 && animation.dofs.rows() == frames &&
-                     static_cast<Eigen::Index>(animation.joints.size()) == frames &&
-                     (animation.body.empty() || static_cast<Eigen::Index>(animation.body.size()) == frames) &&
-                     (animation.high.empty() || static_cast<Eigen::Index>(animation.high.size()) == frames) && animation.fps > 0;
-  if (!sizes || animation.dofs.cols() != character.actor.skeleton.dof_count() ||
-      animation.surface[0].rows() != character.actor.mesh.vertices.rows() ||
-      (!animation.high.empty() && animation.high[0].rows() != character.high.vertices.rows()))
+  const auto has_all = [&](const std::vector<Vertices> &of_frames, Eigen::Index rows) {
+    return static_cast<Eigen::Index>(of_frames.size()) == frames &&
+           std::all_of(of_frames.begin(), of_frames.end(), [&](const Vertices &frame) { return frame.rows() == rows; });
+  };
+  const Skeleton &skeleton = character.actor.skeleton;
+  if (frames == 0 || !(animation.fps > 0) || animation.dofs.rows() != frames || animation.dofs.cols() != skeleton.dof_count() ||
+      !has_all(animation.surface, character.actor.mesh.vertices.rows()) || !has_all(animation.joints, skeleton.joint_count()) ||
+      (!animation.body.empty() && !has_all(animation.body, character.body.vertices.rows())) ||
+      (!animation.high.empty() && !has_all(animation.high, character.high.vertices.rows())))
     throw std::invalid_argument("baked animation: expected frames of this character with poses, joints and a rate, found " +
                                 std::to_string(frames) + " frames of another kind");
 }

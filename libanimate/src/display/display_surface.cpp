@@ -339,10 +339,12 @@ DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segm
   std::vector<std::uint8_t> bare(actor.mesh.faces.rows(), 1);
   for (int f : garment.faces)
     bare[f] = 0;
-  const RayScene uncovered(actor.mesh, bare);
   DisplayMesh display{high, std::vector<std::uint8_t>(high.faces.rows())};
-  for (int f = 0; f < high.faces.rows(); ++f)
-    display.valid[f] = actor.face_valid[uncovered.closest(centre_of(high, f)).face];
+  if (garment.faces.size() < bare.size()) {
+    const RayScene uncovered(actor.mesh, bare);
+    for (int f = 0; f < high.faces.rows(); ++f)
+      display.valid[f] = actor.face_valid[uncovered.closest(centre_of(high, f)).face];
+  }
   if (garment.faces.empty())
     return display;
   display.garment_subdivisions = levels_for(garment, segmentation, high);

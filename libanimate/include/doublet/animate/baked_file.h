@@ -11,11 +11,11 @@
 
 namespace doublet {
 
-/// vertices (T, V, 3) f32 of M, faces (F, 3) i32, face_valid (F), joints (T, J, 3) f32, joint_names, dofs (T, D) f32, fps; and,
-/// where the result has them, body_vertices (T, B, 3), body_faces (FB, 3), body_shown (FB), and high_vertices (T, VH, 3),
-/// high_faces (FH, 3), high_valid (FH) of M_high. `drawn`: faces in the place of M_high's, and only their vertices; empty = its
-/// own. Written beside and renamed. Throws std::invalid_argument if the animation is not the character's, or `drawn` not
-/// M_high's.
+/// vertices (T, V, 3) f32 of M, faces (F, 3) i32, face_valid (F), joints (T, J, 3) f32, joint_rotations (T, J, 4) f32 w x y z in
+/// the world, joint_names, dofs (T, D) f32, fps; and, where the result has them, body_vertices (T, B, 3), body_faces (FB, 3),
+/// body_shown (FB), and high_vertices (T, VH, 3), high_faces (FH, 3), high_valid (FH) of M_high. `drawn`: faces in the place of
+/// M_high's, and only their vertices; empty = its own. Written beside and renamed. Throws std::invalid_argument if the animation
+/// is not the character's, or `drawn` not M_high's.
 void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
                      const TexturedFaces &drawn = {});
 
