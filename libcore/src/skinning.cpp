@@ -152,6 +152,9 @@ SkinBinding::SkinBinding(const Vertices &rest, const MatrixRM &weights) : rest_(
   require_sizes("SkinBinding", rest.rows(), weights, weights.cols());
   require_finite_rest(rest, "SkinBinding");
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+    if (!(weights.row(v).sum() > 0))
+      throw std::invalid_argument("SkinBinding: expected skin weights that sum to one, found none at vertex " +
+                                  std::to_string(v));
     pivots_.push_back(append_shares(weights, v, joints_, weights_));
     first_.push_back(static_cast<int>(joints_.size()));
   }

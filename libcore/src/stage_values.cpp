@@ -166,12 +166,16 @@ Mesh capsule_mesh(const std::vector<Capsule> &capsules) {
     const Eigen::Vector3d u = axis.unitOrthogonal(), w = axis.cross(u);
     const double tangent = std::asin(slope); // latitude at which sphere and cone touch
     const int first = static_cast<int>(vertices.size());
+    const auto is_pole = [](int ring) { return ring == 0 || ring == kRings - 1; };
+    const auto vertex = [&](int ring, int s) {
+      return ring == 0 ? first : first + 1 + (ring - 1) * kSegments + (is_pole(ring) ? 0 : s % kSegments);
+    };
     for (int ring = 0; ring < kRings; ++ring) {
       const bool lower = ring < kRings / 2;
       const double part = lower ? ring / (kRings / 2 - 1.0) : (ring - kRings / 2) / (kRings / 2 - 1.0);
       const double latitude = lower ? -M_PI_2 + part * (tangent + M_PI_2) : tangent + part * (M_PI_2 - tangent);
       const double radius = lower ? c.r0 : c.r1;
-      for (int s = 0; s < kSegments; ++s) {
+      for (int s = 0; s < (is_pole(ring) ? 1 : kSegments); ++s) {
         const double angle = 2 * M_PI * s / kSegments;
         const Eigen::Vector3d around = std::cos(angle) * u + std::sin(angle) * w;
         vertices.push_back((lower ? c.p0 : c.p1) + radius * (std::sin(latitude) * axis + std::cos(latitude) * around));
@@ -179,9 +183,10 @@ Mesh capsule_mesh(const std::vector<Capsule> &capsules) {
     }
     for (int ring = 0; ring + 1 < kRings; ++ring)
       for (int s = 0; s < kSegments; ++s) {
-        const int a = first + ring * kSegments + s, b = first + ring * kSegments + (s + 1) % kSegments;
-        faces.emplace_back(a, b, b + kSegments);
-        faces.emplace_back(a, b + kSegments, a + kSegments);
+        if (!is_pole(ring))
+          faces.emplace_back(vertex(ring, s), vertex(ring, s + 1), vertex(ring + 1, s + 1));
+        if (!is_pole(ring + 1))
+          faces.emplace_back(vertex(ring, s), vertex(ring + 1, s + 1), vertex(ring + 1, s));
       }
   }
   Mesh mesh;

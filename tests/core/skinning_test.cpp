@@ -125,6 +125,13 @@ struct Stick {
 
 } // namespace
 
+TEST(Skinning, ABindingWithoutWeightsIsRefused) {
+  MatrixRM weights = MatrixRM::Ones(4, 2) / 2;
+  EXPECT_NO_THROW(SkinBinding(Vertices::Zero(4, 3), weights));
+  weights.row(2).setZero();
+  EXPECT_THROW(SkinBinding(Vertices::Zero(4, 3), weights), std::invalid_argument);
+}
+
 TEST(Skinning, AlongASkeletonOrdinaryPosesHaveTheBitsOfAnySkinning) {
   const Skeleton s = testing::figure_skeleton();
   const Mesh body = testing::figure_surface(0.06);

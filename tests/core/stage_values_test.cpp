@@ -27,6 +27,24 @@ TEST(Capsules, SignedDistanceIsThatOfTheHullOfSpheres) {
   EXPECT_NEAR(signed_distance({{0, 0, 0}, {0, 0, 0}, 0.1, 0.2}, {1, 0, 0}), 0.8, 1e-12);
 }
 
+TEST(Capsules, MeshesAreClosedAndOnTheSurface) {
+  for (const auto &[r0, r1] : {std::pair{0.3, 0.1}, {0.1, 0.3}, {0.2, 0.2}}) {
+    const Capsule c{{0.1, -0.2, 0}, {0.3, 0.4, 0.2}, r0, r1};
+    const Mesh mesh = capsule_mesh({c, c});
+    const MeshReport report = report_mesh(mesh);
+    EXPECT_TRUE(report.closed()) << report.to_string();
+    EXPECT_EQ(report.degenerate_faces, 0);
+    EXPECT_EQ(report.unused_vertices, 0);
+    EXPECT_EQ(report.components, 2);
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+      EXPECT_NEAR(signed_distance(c, mesh.vertices.row(v)), 0, 1e-12);
+    double volume = 0; // m^3; above 0 if faces look outwards
+    for (const auto &face : mesh.faces.rowwise())
+      volume += mesh.vertices.row(face[0]).dot(mesh.vertices.row(face[1]).cross(mesh.vertices.row(face[2]))) / 6;
+    EXPECT_GT(volume, 0);
+  }
+}
+
 TEST(UnposedFrames, UndoSkinning) {
   RiggedMesh actor;
   actor.skeleton = testing::figure_skeleton();
