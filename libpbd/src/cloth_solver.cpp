@@ -38,7 +38,7 @@ void check_inputs(const ClothModel &model, const StepInputs &in) {
     refuse_step("dt must lie in (0, 1] s, found " + options::to_text(in.dt));
   if (!in.wind.allFinite())
     refuse_step("wind is not finite");
-  if (in.gravity && !(in.gravity->cwiseAbs().maxCoeff() <= 1000))
+  if (in.gravity && !(in.gravity->allFinite() && in.gravity->cwiseAbs().maxCoeff() <= 1000))
     refuse_step("gravity must lie within 1000 m/s^2, found (" + options::to_text(in.gravity->x()) + ", " +
                 options::to_text(in.gravity->y()) + ", " + options::to_text(in.gravity->z()) + ")");
   if (!in.previous_capsules.empty() && in.capsules.size() != in.previous_capsules.size())

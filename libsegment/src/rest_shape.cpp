@@ -187,8 +187,10 @@ double length_error(const std::vector<Eigen::Vector2i> &edges, const Vertices &x
   return sum / static_cast<double>(edges.size());
 }
 
-/// `shape` moved rigidly so that the seam it hangs from lies on the scan's.
+/// `shape` moved rigidly so that the seam it hangs from lies on the scan's; as it is, if it hangs from nothing.
 Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<int> &attached) {
+  if (attached.empty())
+    return shape;
   Eigen::Matrix3Xd from(3, attached.size()), to(3, attached.size());
   for (std::size_t i = 0; i < attached.size(); ++i) {
     from.col(static_cast<Eigen::Index>(i)) = shape.row(attached[i]).transpose();

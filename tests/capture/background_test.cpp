@@ -128,6 +128,7 @@ TEST(Background, WrongArgumentsThrow) {
   EXPECT_THROW(extractor->train(0, {}), std::invalid_argument);
   EXPECT_THROW(extractor->learn_actor(0, {room(true, 1)}), std::invalid_argument);
   EXPECT_THROW(extractor->train(0, {room(true, 1), Image(5, 5, 3)}), std::invalid_argument);
+  EXPECT_NO_THROW(extractor->train(0, {Image(), room(false, 1), Image()})); // frames that a camera has not
   extractor->train(0, {room(false, 1)});
   EXPECT_THROW(extractor->extract(0, Image(5, 5, 3)), std::invalid_argument);
   EXPECT_THROW(extractor->extract(0, Image(240, 240, 1)), std::invalid_argument);

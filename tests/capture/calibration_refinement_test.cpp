@@ -152,6 +152,12 @@ TEST(CalibrationRefinement, SaysWhatDoesNotGoTogether) {
   take.problem.rig.pop_back();
   EXPECT_THROW(refine_calibration(take.problem, {}, {}), std::invalid_argument);
   take.problem.rig = take.rig;
+  take.problem.reliability[3] = NAN;
+  EXPECT_THROW(refine_calibration(take.problem, {}, {}), std::invalid_argument);
+  take.problem.reliability[3] = 1;
+  take.problem.rig[1].t[2] = NAN;
+  EXPECT_THROW(refine_calibration(take.problem, {}, {}), std::exception);
+  take.problem.rig = take.rig;
   take.problem.moments[0].row = Take::kFrames;
   EXPECT_THROW(refine_calibration(take.problem, {}, {}), std::invalid_argument);
   take.problem.moments.clear();

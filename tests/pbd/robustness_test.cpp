@@ -107,6 +107,10 @@ TEST(Robustness, RefusesBadInputs) {
   EXPECT_TRUE(says(with([](ClothState &state, StepInputs &) { state.velocities.resize(2, 3); }), "state.velocities"));
   EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.dt = 0; }), "dt"));
   EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.wind[1] = INFINITY; }), "wind"));
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_TRUE(
+        says(with([&](ClothState &, StepInputs &in) { in.gravity = std::nan("") * Eigen::Vector3d::Unit(axis); }), "gravity"))
+        << axis;
   EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = one, in.previous_capsules = two; }), "equally many"));
   EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = negative; }), "capsule 0"));
   EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.previous_capsules = one; }), "found 0 and 1"));

@@ -594,6 +594,15 @@ struct Strip {
   }
 };
 
+/// A scarf that lies on the shoulders and is fastened nowhere.
+TEST(GarmentMesher, WhatHangsFromNothingHasARestShapeToo) {
+  const Strip strip;
+  const std::vector<Vertices> frames(3, strip.vertices);
+  const Vertices rest = detail::rest_shape(strip.faces, strip.vertices, frames, 0, {}, 0.2);
+  EXPECT_TRUE(rest.allFinite());
+  EXPECT_NEAR(face_areas(rest, strip.faces).sum(), face_areas(strip.vertices, strip.faces).sum(), 0.01);
+}
+
 /// With a fold in its middle that has closed on itself and gone through: flat above, ever more of a loop below.
 TEST(GarmentMesher, WhatPassesThroughItselfAtRestIsSmoothedUntilItDoesNot) {
   Strip strip;

@@ -447,7 +447,11 @@ void validate(const CalibrationProblem &problem) {
   require(views > 0 && problem.rig.size() == views, "as many cameras to begin with as were given");
   require(!problem.moments.empty(), "at least one moment");
   require(problem.poses.cols() == problem.actor->skeleton.dof_count() && problem.poses.allFinite(), "finite poses of the actor");
-  require(problem.reliability.size() == problem.actor->mesh.vertices.rows(), "a reliability for every vertex");
+  require(problem.reliability.size() == problem.actor->mesh.vertices.rows() && problem.reliability.allFinite(),
+          "a finite reliability for every vertex");
+  for (const CameraRig *rig : {&problem.given, &problem.rig})
+    for (const Camera &camera : *rig)
+      validate_camera(camera, "refine_calibration");
   for (const CalibrationMoment &moment : problem.moments) {
     require(moment.outlines && moment.outlines->size() == views, "one outline a camera");
     require(moment.row >= 0 && moment.row < problem.poses.rows(), "moments of the poses");

@@ -46,9 +46,9 @@ public:
     for (const Image &image : images)
       if (!image.empty()) {
         require_colour(image);
-        if (image.width != images[0].width || image.height != images[0].height)
-          throw std::invalid_argument("images: expected images of one size for camera " + std::to_string(camera));
         plates.push_back(&image);
+        if (image.width != plates[0]->width || image.height != plates[0]->height)
+          throw std::invalid_argument("images: expected images of one size for camera " + std::to_string(camera));
       }
     if (plates.empty())
       throw std::invalid_argument("images: expected at least one image of camera " + std::to_string(camera) + ", found none");

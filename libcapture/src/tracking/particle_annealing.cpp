@@ -82,7 +82,7 @@ ParticleAnnealingResult anneal(const SampleEnergies &energies, const Eigen::Vect
     if (other->size() != start.size())
       throw std::invalid_argument("anneal: start, deviation, lower and upper must have one size, got " +
                                   std::to_string(start.size()) + " and " + std::to_string(other->size()));
-  if (start.size() == 0 || !(deviation.minCoeff() > 0))
+  if (start.size() == 0 || !(deviation.array() > 0).all())
     throw std::invalid_argument("anneal: expected at least one dimension and positive deviations");
   Particles particles(start, deviation, lower, upper, options);
   ParticleAnnealingResult result;

@@ -132,8 +132,8 @@ private:
     }
   }
 
-  /// Robust energy at a pose, in which the surface is `vertices`, and its Gauss-Newton system if asked for; one partial sum a view,
-  /// added in order.
+  /// Robust energy at a pose, in which the surface is `vertices`, and its Gauss-Newton system if asked for; one partial sum a
+  /// view, added in order.
   NormalEquations linearize(const PoseProblem &problem, const Context &context, const Eigen::VectorXd &dofs,
                             const Vertices &vertices, bool derivatives) {
     const std::vector<DofTwist> twists = dof_twists(actor_->skeleton, dofs);
