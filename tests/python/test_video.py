@@ -7,7 +7,8 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.cli import program as cli
-from doublet.common.video import VideoWriter, decoded_times, read_video
+from doublet.common.video import VideoWriter, decoded_times, probe, read_video
+from doublet.export.animate import write_video
 from doublet.export.video_camera import FILLED, Shot, cameras_along, projected, skinned
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
@@ -26,6 +27,14 @@ def test_a_name_with_a_colon_is_no_protocol(tmp_path, monkeypatch):
             video.write(np.zeros((48, 64, 3), np.uint8))
     found = read_video(Path("12:30.mp4"))
     assert len(found.times) == len(decoded_times(found.path)) == len(list(found.frames())) == 3
+
+
+def test_colours_are_those_of_the_picture_and_players_are_told(character, tmp_path):
+    shot = Shot(64, 64, background=(0.9, 0.1, 0.1))
+    write_video(character, walk(character, 0.0), tmp_path / "red.mp4", d.Context(), shot)
+    assert probe(tmp_path / "red.mp4", "V:0", "stream=color_space")["streams"] == [{"color_space": "bt709"}]
+    corner = next(read_video(tmp_path / "red.mp4").frames())[:4, :4].mean(axis=(0, 1))  # B G R
+    assert np.abs(corner - np.array([0.1, 0.1, 0.9]) * 255).max() < 6
 
 
 def walk(character, metres):

@@ -228,10 +228,12 @@ def first_line(said: bytes) -> str:
 
 
 class VideoWriter:
-    """`with VideoWriter(path, width, height, fps) as video: video.write(bgr)`; the file is complete or absent."""
+    """`with VideoWriter(path, width, height, fps) as video: video.write(bgr)`; the file is complete or absent. `matrix`: how
+    colours are coded, which the file then says, such as bt709; empty = BT.601, unsaid, as computer vision reads them."""
 
-    def __init__(self, path: Path, width: int, height: int, fps: float, crf: int = 20, preset: str = "medium"):
+    def __init__(self, path: Path, width: int, height: int, fps: float, crf: int = 20, preset: str = "medium", matrix: str = ""):
         self.path, self.shape, self.fps, self.crf, self.preset = Path(path), (height, width, 3), fps, crf, preset
+        self.matrix = matrix
 
     def __enter__(self) -> VideoWriter:
         if not shutil.which(ffmpeg()):
@@ -254,6 +256,10 @@ class VideoWriter:
             "-movflags",
             "+faststart",
         ]
+        if self.matrix:
+            coded += ["-vf", f"scale=out_color_matrix={self.matrix}:out_range=tv", "-color_range", "tv"]
+            for said in ("-colorspace", "-color_primaries", "-color_trc"):
+                coded += [said, self.matrix]
         # Without -xerror ffmpeg calls a file success whose end did not fit on the disk.
         command = [ffmpeg(), "-loglevel", "error", "-xerror", "-y", *raw, *coded, as_file(self._file.__enter__())]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)

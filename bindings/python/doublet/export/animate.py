@@ -123,7 +123,9 @@ def write_video(
     look = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()), background=shot.background)
     renderer, threads = d.CharacterRenderer(shown or character), context.threads or os.cpu_count() or 1
     drawn: deque[Future] = deque()
-    with VideoWriter(out, shot.width, shot.height, fps, preset="veryfast") as video, ThreadPoolExecutor(threads) as pool:
+    # Players take colours of which nothing is said for BT.601 or BT.709, by the size of the picture.
+    writer = VideoWriter(out, shot.width, shot.height, fps, preset="veryfast", matrix="bt709")
+    with writer as video, ThreadPoolExecutor(threads) as pool:
 
         def draw(frame: d.AnimationFrame) -> None:
             shapes = (np.array(frame.surface), np.array(frame.high), np.array(frame.body))
