@@ -269,6 +269,8 @@ def test_usd_has_a_body_of_each_joint_whatever_its_name(exported, tmp_path):
 
 def test_the_command(tmp_path, capsys):
     skirt().write(tmp_path / "character.glb")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "motion.json").write_text("{}")  # of an earlier export
     assert cli.main(["export-cloth", str(tmp_path / "character.glb"), "-o", str(tmp_path / "out"), "--quiet"]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[0] == str(tmp_path / "out" / "cloth.json") and not (tmp_path / "out" / "motion.json").exists()

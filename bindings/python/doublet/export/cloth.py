@@ -29,8 +29,8 @@ def export_cloth(
     motion: d.Motion | None = None,
     context: d.Context | None = None,
 ) -> list[Path]:
-    """Writes cloth.json, with a motion motion.json, and with usd-core cloth.usda into `folder`; returns what was written. Raises
-    ValueError for a character without cloth and a density that is none."""
+    """Writes cloth.json, with a motion motion.json, and with usd-core cloth.usda into `folder`, in the place of those of an
+    earlier export; returns what was written. Raises ValueError for a character without cloth and a density that is none."""
     if not (np.isfinite(areal_density) and areal_density > 0):
         raise ValueError(f"areal_density: expected kg/m^2 above 0, found {areal_density:g}")
     simulator = simulator_of(character)
@@ -38,12 +38,13 @@ def export_cloth(
         raise ValueError(f"{character.name}: expected a character with cloth, found no cloth region")
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    files = [folder / CLOTH_FILE]
     cloth = cloth_of(character, simulator, areal_density)
+    played = None if motion is None else motion_of(character, simulator, motion, context or d.Context())
+    for former in (MOTION_FILE, USD_FILE):  # they may be of another garment
+        (folder / former).unlink(missing_ok=True)
+    files = [folder / CLOTH_FILE]
     write_text(files[0], as_text(cloth))
-    played = None
-    if motion is not None:
-        played = motion_of(character, simulator, motion, context or d.Context())
+    if played:
         files.append(folder / MOTION_FILE)
         write_text(files[-1], as_text(played))
     if importlib.util.find_spec("pxr"):
