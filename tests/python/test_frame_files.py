@@ -1,5 +1,6 @@
 """Images and videos as capture reads them, held against Pillow's decoding and against frames that are known."""
 
+import resource
 import shutil
 import subprocess
 import sys
@@ -222,6 +223,21 @@ def test_a_frame_that_cannot_be_decoded_is_not_replaced_by_the_next(camera):
     with pytest.raises(RuntimeError, match=r"motion.mov: frame 7 cannot be decoded"):
         frames.image(0, 7)
     assert number_of(frames.image(0, 20)) == 20
+
+
+def test_a_picture_of_another_frame_is_never_shown(camera):
+    """Where ffmpeg could not be started for a moment."""
+    write_video(camera.folder / "h264.mp4", *CODECS["h264.mp4"])
+    frames = camera.frames("h264.mp4", FRAMES)
+    assert number_of(frames.image(0, 2)) == 2
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (10, hard))
+    try:
+        with pytest.raises(RuntimeError, match="a pipe|temporary file"):
+            frames.image(0, 1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    assert number_of(frames.image(0, 0)) == 0
 
 
 def test_without_ffmpeg_one_sentence_says_so(camera, monkeypatch):

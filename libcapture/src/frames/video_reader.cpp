@@ -172,8 +172,9 @@ const VideoIndex &VideoReader::index() {
 
 const cv::Mat &VideoReader::read(int frame) {
   constexpr int kSkim = 32; // frames; up to here decoding on is not slower than jumping to a key frame
-  if (frame == next_ - 1)
+  if (frame == shown_)
     return image_;
+  shown_ = -1; // whatever is thrown below
   if (!stream_ || frame < next_ || frame > next_ + kSkim)
     start_at(frame);
   for (; next_ <= frame; ++next_) {
@@ -181,6 +182,7 @@ const cv::Mat &VideoReader::read(int frame) {
       fail(next_);
     check_time(next_);
   }
+  shown_ = frame;
   return image_;
 }
 
@@ -219,7 +221,6 @@ void VideoReader::check_time(int frame) {
 void VideoReader::fail(int frame) {
   const std::string complaint = stream_ ? stream_->complaint() : "";
   stream_.reset();
-  next_ = 0;
   throw Error(path_.string() + ": frame " + std::to_string(frame) + " cannot be decoded (the video has " +
               std::to_string(index().times.size()) + " frames; it may be truncated" +
               (complaint.empty() ? ")" : "; ffmpeg says: " + complaint + ")"));

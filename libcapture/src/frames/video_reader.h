@@ -54,7 +54,8 @@ private:
   std::optional<VideoIndex> index_;
   std::unique_ptr<FrameStream> stream_;
   cv::Mat image_;
-  int next_ = 0; ///< frame that stream_ delivers next
+  int shown_ = -1; ///< frame that image_ is; -1 = none
+  int next_ = 0;   ///< frame that stream_ delivers next
 };
 
 } // namespace doublet::detail
