@@ -85,6 +85,10 @@ public:
   std::vector<std::pair<int, int>> match(const Features &previous, const Features &current, double reach) const override {
     if (!(reach >= 0))
       throw std::invalid_argument("FeatureTracker.match: expected a reach of at least 0 px, found " + std::to_string(reach));
+    if (previous.descriptors.cols() != current.descriptors.cols() && !previous.points.empty() && !current.points.empty())
+      throw std::invalid_argument("FeatureTracker.match: expected descriptors of one length, found " +
+                                  std::to_string(previous.descriptors.cols()) + " and " +
+                                  std::to_string(current.descriptors.cols()));
     const int n = static_cast<int>(previous.points.size()), m = static_cast<int>(current.points.size());
     std::vector<std::vector<Candidate>> of_previous(n), of_current(m);
     for (int i = 0; i < n; ++i)
