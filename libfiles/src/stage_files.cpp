@@ -279,8 +279,11 @@ Segmentation read_segmentation(const Path &path) {
   npz.require_shape("region", {out.clothness.size()});
   const std::vector<int> region = npz.integers("region");
   out.region = Eigen::Map<const Eigen::VectorXi>(region.data(), region.size());
-  for (const int r : region)
+  for (const int r : region) {
+    if (r < -1 || r >= out.clothness.size())
+      throw Error(npz.source + ": array 'region': expected -1 or one of fewer regions than vertices, found " + std::to_string(r));
     out.region_count = std::max(out.region_count, r + 1);
+  }
   if (npz.has("probability"))
     out.probability = read_shares(npz, "probability", out.clothness.size());
   return out;
@@ -334,7 +337,7 @@ Garment read_garment(const Path &path, const RiggedMesh &actor) {
   out.actor_face = integers("actor_face");
   out.clothness = read_vector(npz, "clothness", G);
   out.rest = npz.matrix("rest");
-  if (npz.has("widths")) {
+  if (G > 0 && npz.has("widths")) { // of nothing there may be any number
     npz.require_shape("widths", {-1, G, 3});
     const std::vector<double> values = npz.values("widths");
     for (std::int64_t k = 0; k < npz.shape("widths")[0]; ++k)

@@ -200,6 +200,29 @@ def test_a_gigabyte_of_nothing_in_a_megabyte(tmp_path, world):
     assert "actor.npz: array 'zeros': expected numbers that fill the array, found more than" in found, found
 
 
+def test_widths_of_no_garment(tmp_path, world):
+    """As many as one likes fit into a file of 4 kB, and none into memory."""
+    whole = {"region": (0,), "actor_face": (0,), "faces": (0, 3)}
+    numbers = {"vertices": (0, 3), "clothness": (0,), "rest": (0, 3), "barycentric": (0, 3), "widths": (10**11, 0, 3)}
+    arrays = {name: np.zeros(shape, np.int32) for name, shape in whole.items()}
+    arrays |= {name: np.zeros(shape, np.float32) for name, shape in numbers.items()}
+    covers = np.zeros(len(world.actor.mesh.faces), bool)
+    np.savez(tmp_path / "garment.npz", format=np.array([1], np.int32), covers=covers, **arrays)
+    d.write_actor(tmp_path / "actor.npz", world.actor)
+    call = "d.read_garment(path, d.read_actor(path.parent / 'actor.npz'))"
+    assert "MemoryError" not in said(tmp_path / "garment.npz", call)
+
+
+@pytest.mark.parametrize("region", [2**31 - 1, -7])
+def test_a_region_that_cannot_be(tmp_path, region):
+    path = tmp_path / "segmentation.npz"
+    d.write_segmentation(path, d.Segmentation(np.zeros(4), np.ones(4), [0, 0, 0, 0]))
+    with np.load(path) as arrays:
+        np.savez(path, **{**arrays, "region": np.array([0, 0, 0, region], np.int32)})
+    with pytest.raises(d.Error, match="segmentation.npz: array 'region'"):
+        d.read_segmentation(path)
+
+
 def test_the_same_read_by_python(tmp_path):
     np.savez_compressed(tmp_path / "poses.npz", poses=np.zeros((2_000_000, 66)), trans=np.zeros((3, 3)), fps=30)
     call = "__import__('doublet.export.clips').export.clips.read_clip(path)"
