@@ -62,7 +62,9 @@ def turning(shapes):
 def folder(turning, tmp_path_factory):
     """With a shape a frame, and every fourth; with principal shapes; and as arrays."""
     folder = tmp_path_factory.mktemp("baked")
-    assert d.write_baked_glb(folder / "every.glb", *turning, d.BakedGlbOptions(max_error=0)).keys == FRAMES
+    for most in (400, FRAMES):
+        every = d.write_baked_glb(folder / "every.glb", *turning, d.BakedGlbOptions(max_error=0, max_keys=most))
+        assert every.keys == FRAMES
     fourth = d.BakedGlbOptions(max_error=0, keys_per_second=FPS / 4)
     assert d.write_baked_glb(folder / "fourth.glb", *turning, fourth).keys == FRAMES // 4 + 1
     assert d.write_baked_glb(folder / "principal.glb", *turning).keys == FRAMES

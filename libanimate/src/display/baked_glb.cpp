@@ -18,11 +18,11 @@ namespace {
 using Eigen::Quaternionf;
 using Eigen::Vector3d;
 
-/// `max_keys`: 0 = any number
+/// `max_keys`: 2 or more; 0 = any number
 std::vector<int> key_frames(int frames, double fps, double keys_per_second, int max_keys) {
   int stride = keys_per_second > 0 ? std::max(1, static_cast<int>(std::lround(fps / keys_per_second))) : 1;
   if (max_keys > 0)
-    stride = std::max(stride, (frames + max_keys - 2) / std::max(max_keys - 1, 1));
+    stride = std::max(stride, (frames + max_keys - 3) / (max_keys - 1)); // (frames - 1) / (max_keys - 1), rounded up
   std::vector<int> keys;
   for (int t = 0; t < frames; t += stride)
     keys.push_back(t);
@@ -71,7 +71,7 @@ std::vector<Baked> bound_meshes(glb::Writer &writer, const Character &character,
   std::vector<Baked> meshes;
   const RiggedMesh &actor = character.actor;
   if (animation.high.empty()) {
-    meshes.push_back({bind_mesh("surface", glb::display_mesh(actor.mesh, actor.face_valid, {}),
+    meshes.push_back({bind_mesh("surface", glb::surface_mesh(actor.mesh, actor.face_valid, {}),
                                 valid_faces(actor.mesh.faces, actor.face_valid), actor.weights, animation.surface, poses),
                       glb::add_material(writer, "surface", Vector3d::Ones(), -1, true),
                       {}});
@@ -79,7 +79,7 @@ std::vector<Baked> bound_meshes(glb::Writer &writer, const Character &character,
     const TexturedFaces shown = faces_to_draw(character, animation, drawn);
     const int image = character.texture.empty() ? -1 : writer.image(character.texture);
     const TexCoords places = image < 0 ? TexCoords() : TexCoords(shown.texcoords);
-    meshes.push_back({bind_mesh("surface", glb::display_mesh({character.high.vertices, shown.faces}, {}, places),
+    meshes.push_back({bind_mesh("surface", glb::surface_mesh({character.high.vertices, shown.faces}, {}, places),
                                 valid_faces(character.high.faces, character.high_valid), // normals are those of all its triangles
                                 DisplaySurface(character).skin_weights(actor.weights), animation.high, poses),
                       glb::add_material(writer, "surface", Vector3d::Constant(0.6), image, true),

@@ -269,7 +269,7 @@ void add_display(glb::Writer &writer, const Character &c, int texture_image) {
   const bool high = c.high.faces.rows() > 0;
   const int material = glb::add_material(writer, "surface", Eigen::Vector3d(0.8, 0.8, 0.8), texture_image, true);
   const glb::GlbMesh shown =
-      high ? glb::display_mesh(c.high, c.high_valid, c.texcoords) : glb::display_mesh(c.actor.mesh, c.actor.face_valid, {});
+      high ? glb::surface_mesh(c.high, c.high_valid, c.texcoords) : glb::surface_mesh(c.actor.mesh, c.actor.face_valid, {});
   const MatrixRM weights = high ? DisplaySurface(c).skin_weights(c.actor.weights) : c.actor.weights;
   glb::add_mesh_node(writer, "surface", glb::add_mesh(writer, "surface", shown, material, &weights), skin);
   const glb::GlbMesh body = glb::display_mesh(c.body, c.body_shown, {});

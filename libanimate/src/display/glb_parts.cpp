@@ -1,5 +1,7 @@
 #include "glb_parts.h"
 
+#include "doublet/core/error.h"
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -90,6 +92,13 @@ GlbMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, c
     result.vertex_from_shown[i] = shared.vertex_from_shown[from[i]];
   }
   return result;
+}
+
+GlbMesh surface_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords) {
+  GlbMesh surface = display_mesh(mesh, shown, corner_texcoords);
+  if (surface.mesh.faces.rows() == 0)
+    throw Error("character: expected a surface of which something is drawn, found no valid face");
+  return surface;
 }
 
 void add_joint_nodes(Writer &writer, const Skeleton &skeleton) {

@@ -16,6 +16,8 @@ struct GlbMesh {
   std::vector<int> vertex_from_shown; ///< index into the original vertices
 };
 GlbMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords);
+/// The same of a surface, of which something must be drawn: else Error.
+GlbMesh surface_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords);
 
 /// Nodes of the skeleton in the rest pose; node i is joint i.
 void add_joint_nodes(Writer &writer, const Skeleton &skeleton);
