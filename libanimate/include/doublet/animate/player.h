@@ -76,8 +76,8 @@ public:
   Player &operator=(Player &&) noexcept;
 
   // A pose is dofs (D), as a Motion has them; std::invalid_argument unless it is that long and finite. Each of these returns
-  // frame(). Error if the cloth comes out not finite: it then stays as it was, and reset() helps. Once warm, nothing is
-  // allocated.
+  // frame(). Error if the cloth comes out not finite: it then stays where it last was, which may be within the step, and reset()
+  // helps. Once warm, nothing is allocated.
 
   /// Begins anew in this pose: the cloth, put on in the rest pose, falls into place for AnimateOptions::settle_seconds. If that
   /// is 0, it is its rest shape carried to this pose.
@@ -119,7 +119,7 @@ private:
 /// player.step(dofs, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to
 /// `threads` threads, with the same bits. Throws std::invalid_argument unless all are copies of one, there is a pose for each and
 /// none is there twice; Error naming the first whose cloth came out not finite, after the others have been stepped: that one
-/// stays as it was.
+/// stays where it last was.
 void step_players(std::span<Player *const> players, std::span<const Eigen::VectorXd> dofs, double seconds, int threads = 1);
 
 } // namespace doublet
