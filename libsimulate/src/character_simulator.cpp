@@ -85,6 +85,14 @@ void check_regions(const CharacterState &state, const std::vector<pbd::Material>
                                 " states");
 }
 
+/// A state is lent to the solver, which it cannot be twice.
+void require_distinct(std::span<CharacterState *const> states, const std::string &caller) {
+  std::vector<CharacterState *> sorted(states.begin(), states.end());
+  std::sort(sorted.begin(), sorted.end());
+  if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+    throw std::invalid_argument(caller + ": expected every state once, found one twice");
+}
+
 /// What a region's solver is told about a frame; `targets` must outlive it.
 pbd::StepInputs region_inputs(const ClothRegion &region, const PosedFrame &previous, const PosedFrame &current,
                               const StepEnvironment &world, Vertices &previous_targets, Vertices &targets) {
@@ -238,6 +246,7 @@ std::vector<DivergedRegion> CharacterSimulator::step_batch(std::span<CharacterSt
         "or one of each, found " +
         std::to_string(previous.size()) + ", " + std::to_string(poses) + " and " + std::to_string(worlds.size()) + " for " +
         std::to_string(count));
+  require_distinct(states, "CharacterSimulator::step_batch");
   for (std::size_t i = 0; i < count; ++i)
     check_regions(*states[i], *materials[i], regions_.size());
   for (std::size_t i = 0; i < poses; ++i)
@@ -257,6 +266,7 @@ std::vector<int> CharacterSimulator::step_region(int region, std::span<Character
     throw std::invalid_argument("CharacterSimulator::step_region: expected a region below " + std::to_string(regions_.size()) +
                                 " and as many lists of materials as states, found " + std::to_string(region) + ", " +
                                 std::to_string(materials.size()) + " and " + std::to_string(states.size()));
+  require_distinct(states, "CharacterSimulator::step_region");
   for (std::size_t i = 0; i < states.size(); ++i)
     check_regions(*states[i], *materials[i], regions_.size());
   require_frame(previous, "CharacterSimulator::step_region");
