@@ -19,10 +19,14 @@
 namespace doublet::python {
 namespace {
 
-/// (T, V, 3), stacked at the first access and kept with the result: the display mesh of a clip is hundreds of megabytes.
+/// (T, V, 3), stacked at the first access and kept with the result: the display mesh of a clip is hundreds of megabytes. It
+/// cannot be written to: no file would have what one wrote.
 py::object stacked_once(const py::object &self, const char *key, const std::vector<Vertices> &frames) {
-  if (!py::hasattr(self, key))
-    py::setattr(self, key, stack(frames));
+  if (!py::hasattr(self, key)) {
+    const py::array_t<double> array = stack(frames);
+    array.attr("flags").attr("writeable") = false;
+    py::setattr(self, key, array);
+  }
   return self.attr(key);
 }
 
@@ -204,7 +208,8 @@ void bind_animator(py::module_ &m) {
         "The Motion with shoulders turned so far that forearms and hands are clear of the body; animate() does it by default.");
   OptionsClass<AnimateOptions>(m, "Options of animate.");
   Class<AnimationResult>(m, "AnimationResult", py::dynamic_attr(),
-                         "An animation in memory; an array is put together at its first access, and kept.")
+                         "An animation in memory; an array is put together at its first access, and kept: a copy that cannot be "
+                         "written to.")
       .def_readonly("fps", &AnimationResult::fps, "frames a second, the character's")
       .def_readonly("dofs", &AnimationResult::dofs, "(T, D)")
       .def_property_readonly(
@@ -299,11 +304,12 @@ void bind_player(py::module_ &m) {
           py::arg("dofs"), py::arg("seconds") = py::none(), kView, Release(),
           "Goes on to this pose (D) in `seconds`, in (0, 1]; None = the character's own step. The cloth moves alike at every "
           "frame "
-          "rate. Raises Error if it comes out not finite; it then stays as it was, and reset() helps.")
+          "rate. Raises Error if it comes out not finite; it then stays where it last was, and reset() helps.")
       .def("teleport", &Player::teleport, py::arg("dofs"), kView, Release(),
            "Stands in this pose (D) at once; the cloth is carried along with the root, with its speed.")
       .def_property_readonly("frame", &Player::frame, kView, "The last AnimationFrame.")
-      .def_property_readonly("character", &Player::character, kView, "Character that is played")
+      .def_property_readonly("character", &Player::character, kView,
+                             "Character that is played, as it was given; to change how it plays set what follows")
       .def_property("materials", &Player::materials, &Player::set_materials, py::return_value_policy::copy,
                     "One a cloth region; assign a list to change them.")
       .def_property("wind", &Player::wind, &Player::set_wind, py::return_value_policy::copy, "(3) m/s")
@@ -342,7 +348,7 @@ void bind_pictures(py::module_ &m) {
            py::arg("colours") = std::nullopt, py::arg_v("face_valid", Mask{}, "[]"))
       .def_readwrite("vertices", &RenderMesh::vertices, "(V, 3) m")
       .def_readwrite("faces", &RenderMesh::faces, "(F, 3)")
-      .def_readwrite("colour", &RenderMesh::colour, "(3) B G R in [0, 1]");
+      .def_readwrite("colour", &RenderMesh::colour, "(3) R G B in [0, 1]");
   OptionsClass<RenderOptions>(m, "Options of render.");
   m.def("hidden_faces", &hidden_faces, py::arg("character"), Release(),
         "(FH) 1 = a face of M_high that is of the hidden body, or joins it to the scan.");

@@ -192,6 +192,10 @@ void bind_bodymodel(py::module_ &m) {
       .def(
           "linearise",
           [](const BodyModel &model, const Eigen::VectorXd &coefficients, const std::vector<int> &chosen) {
+            for (const int vertex : chosen)
+              if (vertex < 0 || vertex >= model.vertex_count())
+                throw std::invalid_argument("BodyModel.linearise: chosen: expected vertices in [0, " +
+                                            std::to_string(model.vertex_count()) + "), found " + std::to_string(vertex));
             const BodyLinearisation at = model.linearise(coefficients, chosen);
             return std::pair(at.points, at.jacobian);
           },

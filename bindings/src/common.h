@@ -43,7 +43,10 @@ template <> struct type_caster<doublet::Image> {
   PYBIND11_TYPE_CASTER(doublet::Image, const_name("numpy.ndarray[numpy.uint8]"));
 
   bool load(handle source, bool) {
-    if (!isinstance<array>(source) || !reinterpret_borrow<array>(source).dtype().is(pybind11::dtype::of<std::uint8_t>()))
+    if (!isinstance<array>(source))
+      return false;
+    const pybind11::dtype given = reinterpret_borrow<array>(source).dtype(); // of what was pickled it is an object of its own
+    if (given.kind() != 'u' || given.itemsize() != 1)
       return false;
     const auto pixels = array_t<std::uint8_t, array::c_style | array::forcecast>::ensure(source);
     if (pixels.ndim() != 2 && !(pixels.ndim() == 3 && (pixels.shape(2) == 3 || pixels.shape(2) == 1)))

@@ -450,9 +450,16 @@ void refuse_complex_arrays() {
     return from_any(array ? array.ptr() : given, type, least, most, flags, context);
   };
   Api::get().PyArray_CopyInto_ = [](PyObject *to, PyObject *from) {
-    if (!has_complex(from) || has_complex(to))
-      return copy_into(to, from);
-    refuse();
+    if (has_complex(from) && !has_complex(to)) {
+      refuse();
+      return -1;
+    }
+    const int copied = copy_into(to, from);
+    const py::object kind = py::handle(to).attr("dtype"), given = py::handle(from).attr("dtype");
+    if (copied < 0 || kind.attr("kind").cast<std::string>() != "i" || kind.equal(given) ||
+        py::module_::import("numpy").attr("array_equal")(py::handle(to), py::handle(from)).cast<bool>())
+      return copied;
+    PyErr_SetString(PyExc_TypeError, "expected whole numbers of 32 bits, found others"); // NumPy would cut them off
     return -1;
   };
 }

@@ -213,7 +213,7 @@ void bind_energy(py::module_ &m) {
            py::arg("context") = interruptible_context(), Release())
       .def(py::init([](const py::list &widths, const ReferencePerformance &performance, const Observations &observations,
                        double dt, const EnergyOptions &options, const ParameterSpace &space, const Context &context) {
-             const auto simulators = widths.cast<std::vector<const CharacterSimulator *>>();
+             const auto simulators = require_objects(widths.cast<std::vector<const CharacterSimulator *>>(), "widths");
              const py::gil_scoped_release release;
              return std::make_unique<MaterialObjective>(simulators, performance, observations, dt, options, space, context);
            }),
@@ -268,8 +268,8 @@ struct PyTake {
   py::object performance, observations;
   double dt;
   Take take() const {
-    return {widths.cast<std::vector<const CharacterSimulator *>>(), &performance.cast<const ReferencePerformance &>(),
-            &observations.cast<const Observations &>(), dt};
+    return {require_objects(widths.cast<std::vector<const CharacterSimulator *>>(), "widths"),
+            &performance.cast<const ReferencePerformance &>(), &observations.cast<const Observations &>(), dt};
   }
 };
 
@@ -379,7 +379,7 @@ void bind_fit(py::module_ &m) {
       "estimate_material",
       [](const std::vector<const PyTake *> &takes, const FitOptions &options, const Context &context) {
         std::vector<Take> all;
-        for (const PyTake *take : takes)
+        for (const PyTake *take : require_objects(takes, "takes"))
           all.push_back(take->take());
         const py::gil_scoped_release release;
         return estimate_material(all, options, context);

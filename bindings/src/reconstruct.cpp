@@ -35,7 +35,10 @@ Stage::Run run_from(const py::function &function) {
 
 /// "package.module.function": whose work it is, for the record.
 std::string runner_of(const py::function &function) {
-  return py::str("{}.{}").format(function.attr("__module__"), function.attr("__qualname__"));
+  py::object named = function;
+  if (!py::hasattr(named, "__qualname__")) // an object that is called
+    named = py::type::of(function);
+  return py::str("{}.{}").format(named.attr("__module__"), named.attr("__qualname__"));
 }
 
 /// visit(options) of the group of that name.
@@ -164,19 +167,21 @@ void bind_stage(py::module_ &m) {
   Class<Stage>(m, "Stage", "What reads and writes files of a reconstruction's folder.")
       .def(py::init([](std::string name, const py::function &run, std::vector<std::string> reads, std::vector<std::string> writes,
                        std::vector<std::string> may_read, std::vector<std::string> option_groups,
-                       std::vector<std::string> session_inputs, bool needs_scan) {
+                       std::vector<std::string> session_inputs, bool needs_scan, const std::optional<std::string> &runner) {
              Stage stage{.name = std::move(name), .reads = std::move(reads), .writes = std::move(writes)};
              stage.may_read = std::move(may_read);
              stage.option_groups = std::move(option_groups);
              stage.session_inputs = std::move(session_inputs);
              stage.needs_scan = needs_scan;
              stage.run = run_from(run);
+             stage.runner = runner ? *runner : runner_of(run);
              return stage;
            }),
            py::arg("name"), py::arg("run"), py::kw_only(), py::arg("reads") = std::vector<std::string>{},
            py::arg("writes") = std::vector<std::string>{}, py::arg("may_read") = std::vector<std::string>{},
            py::arg("option_groups") = std::vector<std::string>{}, py::arg("session_inputs") = std::vector<std::string>{},
-           py::arg("needs_scan") = true, "run(reconstruction) does the work and returns the numbers worth recording.")
+           py::arg("needs_scan") = true, py::arg("runner") = py::none(),
+           "run(reconstruction) does the work and returns the numbers worth recording. runner: its name, for the record.")
       .def_readonly("name", &Stage::name, "of the stage")
       .def_readonly("reads", &Stage::reads, "files of the folder")
       .def_readonly("writes", &Stage::writes, "files of the folder")
@@ -243,8 +248,13 @@ void bind_reconstruct(py::module_ &m) {
       .def_property_readonly("record", &Reconstruction::record, kInside, "RunRecord")
       .def("solver_settings", &Reconstruction::solver_settings, "SolverSettings, without which materials mean nothing.")
       .def("fit_options", &Reconstruction::fit_options, "FitOptions with seed and frame rate.");
-  m.def("fit_together", &fit_together, py::arg("reconstructions"), Release(),
-        "One material, and one width, for several takes of one garment, with the options and the seed of the first.");
+  m.def(
+      "fit_together",
+      [](const std::vector<Reconstruction *> &reconstructions) {
+        fit_together(require_objects(reconstructions, "reconstructions"));
+      },
+      py::arg("reconstructions"), Release(),
+      "One material, and one width, for several takes of one garment, with the options and the seed of the first.");
 }
 
 } // namespace doublet::python

@@ -5,6 +5,7 @@ python tests/python/test_arguments.py [NAME]    prints what every spoilt argumen
 
 import inspect
 import re
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -136,6 +137,35 @@ def test_complex_numbers_raise(world, tmp_path):
     assert accepted == []
     with pytest.raises(TypeError):
         d.choose_widths(d.Garment(), [np.complex64(1)])
+
+
+NOTHING_DRAWN = """
+c = World().character
+c.texture, c.texcoords, c.high, c.high_valid, c.high_body, c.garment_subdivisions = b"", np.zeros((0, 2)), d.Mesh(), [], [], -1
+c.actor.face_valid = np.zeros(len(c.actor.mesh.faces), bool)
+c.write("a.glb")
+"""
+MODEL_WITHOUT_SUCH_A_VERTEX = """
+m = d.BodyModel.read(Path(d.__file__).parent / "data" / "body_model.npz")
+m.linearise(np.zeros(m.component_count), [m.vertex_count + 5_000_000])
+"""
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "d.estimate_material([None])",
+        "d.fit_together([None])",
+        "d.Take([None], d.ReferencePerformance(), d.Observations(), 0.025)",
+        MODEL_WITHOUT_SUCH_A_VERTEX,
+        NOTHING_DRAWN,
+    ],
+)
+def test_objects_that_are_none_and_parts_that_are_not_there(lines, tmp_path):
+    head = f"import sys; sys.path.append({sys.path[-1]!r})\nfrom pathlib import Path\nfrom seeds import World\n"
+    program = f"{head}import doublet as d, numpy as np\n{lines}"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 1 and re.search("(TypeError|ValueError|Error): .* found", done.stderr), done.stderr[-300:]
 
 
 def test_every_function_is_tried():

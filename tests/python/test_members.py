@@ -2,6 +2,7 @@
 
 import gc
 import inspect
+import pickle
 import sys
 from functools import cache
 from pathlib import Path
@@ -204,3 +205,37 @@ def test_states_are_stepped_where_they_are():
     assert positions[0, 1] < 0 and np.shares_memory(positions, state.positions)
     solver.step_batch([state, d.ClothState(SQUARE)], [d.StepInputs()], [d.Material()] * 2, 1)
     assert np.shares_memory(positions, state.positions) and np.shares_memory(velocities, state.velocities)
+
+
+def test_a_state_is_stepped_once():
+    """It is lent to the solver, and would not come back whole."""
+    world = World()
+    frame = world.simulator.pose(world.dofs[0])
+    state = world.simulator.start(frame)
+    positions = state.regions[0].positions
+    before = np.array(positions)
+    with pytest.raises(ValueError, match="once"):
+        world.simulator.step_batch([state] * 2, frame, frame, [[d.Material()]] * 2, 0.025)
+    np.testing.assert_array_equal(positions, before)
+    assert np.shares_memory(positions, state.regions[0].positions)
+
+
+def test_a_mesh_has_the_colour_that_it_says():
+    corners = np.array([[-0.6, -0.6, 0], [1.4, -0.6, 0], [-0.6, 1.4, 0]])
+    mesh = d.RenderMesh(corners, [[0, 1, 2]], [1, 0, 0])
+    blue, green, red = d.render([mesh], d.orbit_camera([0, 0, 0], 1, 0, 0, 64, 64), d.RenderOptions(floor=False))[32, 32]
+    assert red > 100 and blue == green == 0 and "R G B" in d.RenderMesh.colour.__doc__
+
+
+def test_a_picture_from_another_process_is_one():
+    picture = pickle.loads(pickle.dumps(np.full((4, 6, 3), 7, np.uint8)))  # its type is an object of its own
+    np.testing.assert_array_equal(d.CameraView(picture).image, picture)
+
+
+@pytest.mark.filterwarnings("ignore:invalid value encountered in cast")
+def test_indices_are_whole():
+    corners = np.eye(4, 3)
+    for faces in ([[0, 1.5, 2]], [[0, 1, np.nan]], np.array([[2**32, 1, 2]])):
+        with pytest.raises(TypeError):
+            d.Mesh(corners, faces)
+    np.testing.assert_array_equal(d.Mesh(corners, [[0.0, 1, 2]]).faces, [[0, 1, 2]])

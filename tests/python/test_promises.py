@@ -183,6 +183,26 @@ def test_arrays_of_an_animation_are_put_together_once(world):
     for name in ("surface", "joints", "high", "body"):
         assert getattr(animation, name) is getattr(animation, name)
         assert len(getattr(animation, name)) == len(animation.dofs)
+        assert not getattr(animation, name).flags.writeable  # no file would have what one wrote
+
+
+def test_a_stage_of_ones_own_is_not_anothers(world, tmp_path):
+    write_session(tmp_path / "session", world)
+
+    def first(job):
+        job.path("own.txt").write_text("first")
+        return {}
+
+    def second(job):
+        job.path("own.txt").write_text("second")
+        return {}
+
+    for work in (first, second):
+        job = d.Reconstruction(tmp_path / "session", tmp_path / "out")
+        job.stages = [d.Stage("own", work, writes=["own.txt"], needs_scan=False)]
+        assert job.stages[0].runner.endswith(work.__name__)
+        job.run(["own"])
+    assert job.path("own.txt").read_text() == "second"
 
 
 def test_a_video_may_lie_elsewhere(world, tmp_path):

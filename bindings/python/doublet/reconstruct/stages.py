@@ -46,6 +46,7 @@ CHECK = d.Stage(
     option_groups=["silhouette", "key", "background"],
     session_inputs=["description", "scan", "joints", "calibration", "images"],
     needs_scan=False,
+    runner="",
 )
 FIT = next(stage for stage in d.default_stages() if stage.name == "fit")
 REPORT = d.Stage(
@@ -56,6 +57,7 @@ REPORT = d.Stage(
     writes=["report.html"],
     may_read=["calibration.yml"],
     session_inputs=["images"],
+    runner="",
 )  # fmt: skip
 #: All, in their order.
 STAGES = (CHECK, *d.default_stages()[1:], REPORT)
