@@ -397,6 +397,17 @@ def test_key_points_that_are_not_there_have_no_confidence(nothing):
     np.testing.assert_array_equal(found[0], [50, 5, 0.9])
 
 
+@pytest.mark.parametrize("size", [1, 1.7])  # shares of the image, metres about the hips
+def test_key_points_that_are_no_pixels_are_refused(size):
+    person = np.column_stack([size * np.linspace(0.1, 0.9, 33), size * np.linspace(0.2, 1, 33), np.full(33, 0.9)])
+    with pytest.raises(ValueError, match=r"a\.json: expected keypoints in pixels of the video, found a person smaller than 2"):
+        joints_of([person.tolist()], Path("a.json"))
+    person[:, 2] = 0.1  # of nobody
+    assert joints_of([person.tolist()], Path("a.json")).any()
+    pixels = person * [640, 480, 9]
+    np.testing.assert_allclose(joints_of([pixels.tolist()], Path("a.json"))[0], pixels[11])
+
+
 @pytest.mark.parametrize("form", ["folder", "instance_info"])
 def test_frames_without_key_points_are_left_out(tmp_path, form):
     """Programs write nothing where they see nobody: what follows stays in step."""

@@ -32,6 +32,8 @@ LAYOUTS = {
     136: _COCO,  # Halpe with face and hands
 }
 LEAST_AGREED = 6  #: of JOINTS
+SURE = 0.3  #: confidence from which a joint counts
+LEAST_SIZE = 2  #: pixels that a person is across; nobody is as many metres
 FILE = "keypoints.npz"  #: of a session: for each camera (T, 12, 3) of its video
 FORMATS = (
     "a list of frames or people (AlphaPose), instance_info (RTMPose), a folder of people (OpenPose) or labels (YOLO) by frame"
@@ -298,4 +300,15 @@ def joints_of(people: list, path: Path) -> np.ndarray:
         joints[~np.isfinite(joints).all(axis=1)] = 0  # NaN, null: not found
         if joints[:, 2].sum() > best[:, 2].sum():
             best = joints
+    require_pixels(best, path)
     return best
+
+
+def require_pixels(joints: np.ndarray, path: Path) -> None:
+    """Shares of the image's size, or metres, are all one pixel to cameras, which then agree on a point that nobody is at."""
+    seen = joints[joints[:, 2] >= SURE, :2]
+    if len(seen) >= LEAST_AGREED and 0 < np.ptp(seen, axis=0).max() < LEAST_SIZE:
+        raise ValueError(
+            f"{path}: expected keypoints in pixels of the video, found a person smaller than {LEAST_SIZE} of them; are these "
+            "shares of the image's size?"
+        )
