@@ -13,7 +13,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.common.images import counted
-from doublet.common.video import read_video
+from doublet.common.video import rate_of, read_video
 from doublet.session.external_masks import read_masks
 from doublet.session.keypoints import CameraKeypoints, joints_of, read_keypoints
 from doublet.session.new_session import Request, new_session
@@ -143,6 +143,28 @@ def test_an_uneven_clock_with_a_pause_keeps_its_rate(tmp_path):
     cam0, cam1 = shown(session_of(tmp_path))
     assert cam1 == list(range(25))
     assert [n for k, n in enumerate(cam0) if k not in (8, 9)] == [k for k in range(25) if k not in (8, 9)]
+
+
+@pytest.mark.parametrize("missing", [[], [12, 13]])
+def test_a_clock_that_shakes_neither_slows_nor_shortens_the_take(tmp_path, missing):
+    """Its first frame is late, its last one early."""
+    shaken = np.arange(30) / 25 + 0.006 * np.cos(np.pi * np.arange(30) / 29)
+    stored = [k for k in range(30) if k not in missing]
+    film(tmp_path / "all.mp4", stored)
+    film(tmp_path / "films/cam1.mp4", range(30))
+    when = "+".join(f"eq(N,{n})*{shaken[k]:.6f}" for n, k in enumerate(stored))
+    ffmpeg("-i", tmp_path / "all.mp4", "-vf", f"setpts='({when})/TB'", "-vsync", "passthrough", "-enc_time_base", "1/90000",
+           "-video_track_timescale", 90000, tmp_path / "films/cam0.mp4")  # fmt: skip
+    cam0, cam1 = shown(session_of(tmp_path))
+    assert cam1 == list(range(30)) and [cam0[k] for k in stored] == stored
+
+
+@pytest.mark.parametrize("shake, rate", [(0.3, 25), (2, 25), (8, 25), (0, 25.03), (0.01, 25.03), (2, 30 / 1.001)])
+def test_the_rate_of_a_clock_that_shakes(shake, rate):
+    """A whole rate only where the times cannot be told from it."""
+    frames = np.delete(np.arange(60), [20, 21, 40])
+    times = frames / rate + 1e-3 * shake * np.random.default_rng(5).uniform(-1, 1, len(frames))
+    assert rate_of(times) == pytest.approx(rate, rel=1e-6 if shake == 0 or rate == 25 else 1e-4)
 
 
 @pytest.mark.parametrize("form", ["mp4", "mov", "mkv", "ts.mts", "avi"])

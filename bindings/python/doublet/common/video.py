@@ -210,17 +210,26 @@ def even_times(times: np.ndarray, stated: str) -> np.ndarray:
 
 
 def rate_of(times: np.ndarray) -> float:
-    """Frames a second of times (N) s; 0 for fewer than two. Frames that were dropped do not make it lower: where all gaps are
-    whole numbers of the usual one, its slope counts, else the mean."""
+    """Frames a second of times (N) s; 0 for fewer than two. Frames that were dropped do not make it lower: where times are whole
+    numbers of one gap, off by what a clock may be, its mean counts, as a whole or broadcast rate if they cannot be told from one;
+    else the mean of all."""
     span = float(times[-1] - times[0]) if len(times) > 1 else 0.0
     if span <= 0:
         return 0.0
     gaps = np.diff(times)
     usual = float(np.median(gaps))
     steps = np.round(gaps / usual) if usual > 0 else np.zeros(len(gaps))
-    if steps.min() < 1 or np.abs(gaps - steps * usual).max() > DROPPED * usual:
-        steps = np.ones(len(gaps))
-    return float(steps.sum()) / span
+    if steps.min() < 1:
+        return len(gaps) / span
+    frames = np.concatenate([[0], np.cumsum(steps)])
+    gap, begin = np.polyfit(frames, times, 1)
+    off = times - begin - gap * frames
+    if np.abs(off).max() > DROPPED * usual:
+        return len(gaps) / span
+    whole = max(round(1 / gap), 1)
+    likely = min((whole, whole / 1.001), key=lambda rate: abs(1 / rate - gap))
+    error = float(np.sqrt(off @ off / len(off)) / np.linalg.norm(frames - frames.mean()))  # standard error of the gap
+    return float(likely if abs(1 / likely - gap) <= 3 * error else 1 / gap)
 
 
 def first_line(said: bytes) -> str:

@@ -24,6 +24,7 @@ SOUND_CLEAR, SIGHT_CLEAR = 1.5, 1.25  #: how much higher than a separate one a c
 LEAST_SCORE = 0.25  #: of a camera's peak: the correlation, less where little overlaps
 AS_GOOD = 0.95  #: share of every camera's best agreement from which no offsets at all are the better explanation
 SHORTEST = 20  #: steps of a signal in which something can be found
+SLACK = 0.3  #: of a frame, by which a camera may end before the last frame that is taken
 LEAST_OVERLAP = 0.3  #: share of the shorter of two files that must overlap
 
 
@@ -271,7 +272,7 @@ def frame_numbers(
         last, first = ((names or range(len(times)))[int(i)] for i in (begins.argmax(), ends.argmin()))
         where = f"camera {last} begins {begin - end:.2f} s after camera {first} ended"
         raise ValueError(f"expected cameras that film at the same time, found that {where}")
-    most = int(np.floor((end - begin - start) * fps + 0.01)) + 1
+    most = int(np.floor((end - begin - start) * fps + SLACK)) + 1
     if start < 0 or most < 1:
         raise ValueError(f"--start: expected 0 to {end - begin:.2f} s, in which all cameras film, found {start:g}")
     if count is not None and not 1 <= count <= most:
