@@ -346,6 +346,17 @@ def test_the_alpha_channel_of_a_video_is_the_mask(tmp_path, name, codec):
     assert next(masks.masks((WIDTH // 2, HEIGHT // 2))).shape == (HEIGHT // 2, WIDTH // 2)
 
 
+def test_a_video_of_coloured_parts_shows_all_of_them(tmp_path):
+    """Pure red and blue are dark as greys."""
+    parts = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    for k, colour in enumerate([(255, 0, 0), (0, 255, 0), (0, 0, 255), (180, 0, 180)]):
+        parts[20 + 20 * k : 40 + 20 * k, 40:70] = colour
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{WIDTH}x{HEIGHT}", "-r", 25, "-i", "-"]
+    ffmpeg(*raw, "-c:v", "libx264", "-crf", 10, "-pix_fmt", "yuv420p", tmp_path / "a.mp4", data=parts.tobytes() * 6)
+    for mask in read_masks(tmp_path / "a.mp4").masks():
+        assert (mask & ACTOR).sum() / (mask | ACTOR).sum() > 0.97
+
+
 def test_an_alpha_channel_that_is_not_used_is_no_mask(tmp_path):
     raw = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{WIDTH}x{HEIGHT}", "-r", 25, "-i", "-"]
     grey = np.repeat(255 * ACTOR.astype(np.uint8)[..., None], 4, axis=2)

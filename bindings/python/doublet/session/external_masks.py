@@ -40,8 +40,9 @@ class ExternalMasks:
     def masks(self, size: tuple[int, int] | None = None) -> Iterator[np.ndarray]:
         """Every mask: bool (H, W), true = actor; of another `size` (width, height) if that is given."""
         if isinstance(self.source, VideoFile):
-            for frame in self.source.frames(size, grey=True, alpha=self.kind == "alpha"):
-                yield frame > 127
+            alpha = self.kind == "alpha"
+            for frame in self.source.frames(size, grey=alpha, alpha=alpha):
+                yield (frame if alpha else frame.max(axis=2)) > 127  # a red mask is one, too
             return
         for file in self.source.files:
             mask = decoded(read_image(file), self.kind)
