@@ -12,7 +12,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet.common.images import counted
+from doublet.common.images import counted, in_order
 from doublet.common.video import rate_of, read_video
 from doublet.session.external_masks import read_masks
 from doublet.session.keypoints import CameraKeypoints, joints_of, read_keypoints
@@ -287,6 +287,21 @@ def test_numbers_that_do_not_count_images():
         4,
     ]  # times, one missing
     assert list(counted(["3", "5", "100"])) == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        [9997, 9998, 9999, 1, 2],
+        [65533, 65535, 0, 1, 2, 3, 4],
+        [0, 1, 2, 9997],  # one from another series
+        [*range(6000), *range(6001, 10000)],  # one is missing
+    ],
+    ids=["ten thousand", "two bytes", "another", "whole"],
+)
+def test_a_counter_that_begins_anew_goes_on(numbers):
+    files = [Path(f"IMG_{number:04d}.png") for number in numbers]
+    assert in_order(sorted(files)) == files
 
 
 def test_masks_of_a_series_with_a_gap_are_those_of_its_images(tmp_path):

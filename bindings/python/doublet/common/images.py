@@ -14,6 +14,7 @@ from PIL import Image, ImageOps
 MOST_NUMBER = 10**12  #: of an image; what is larger is a time
 LEAST_TICKS = 10  #: of a clock between two images
 UNEVEN = 0.3  #: of the usual step, by which one may be off
+COUNTERS = (10**4, 10**5, 10**6, 2**16, 2**32)  #: how many numbers a camera has before it begins anew
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,17 @@ def in_order(files: Sequence[Path]) -> list[Path]:
     steps = sorted(np.diff(np.array(sorted(numbers), dtype=object)))
     if not seconds_in(stems) and steps and steps[len(steps) // 2] != 1:
         return sorted(files, key=lambda file: ([int(digits) for digits in re.findall(r"\d+", file.stem)], file.name))
-    return [file for _, _, file in sorted((number, file.name, file) for number, file in zip(numbers, files))]
+    ordered = sorted((number, file.name, file) for number, file in zip(numbers, files))
+    first = begun_anew([number for number, _, _ in ordered])
+    return [file for _, _, file in ordered[first:] + ordered[:first]]
+
+
+def begun_anew(numbers: Sequence[int]) -> int:
+    """Where a series begins whose counter came to its end and began anew (9998, 9999, 1, 2), in rising order; 0 = it did not."""
+    steps = np.diff(np.array(numbers, dtype=object))
+    if len(steps) and numbers[0] in (0, 1) and numbers[-1] + 1 in COUNTERS and 4 * steps.max() > numbers[-1]:
+        return int(steps.argmax()) + 1
+    return 0
 
 
 def counted(stems: Sequence[str]) -> np.ndarray:
