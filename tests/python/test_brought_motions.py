@@ -39,9 +39,9 @@ def figure() -> dict:
     return joints
 
 
-def bvh(names: dict, frames: int = 3) -> str:
+def bvh(names: dict, frames: int = 3, joints: dict | None = None) -> str:
     """names: our joint -> the file's."""
-    joints = figure()
+    joints = joints or figure()
     channels = []
 
     def write(part: str, indent: str) -> list[str]:
@@ -140,6 +140,18 @@ def test_names_of_other_programs(tmp_path, convention):
     (tmp_path / "clip.bvh").write_text(bvh(CONVENTIONS[convention]))
     found = matched(tmp_path / "clip.bvh")
     assert {part: found.get(part) for part in CONVENTIONS[convention]} == CONVENTIONS[convention]
+
+
+def test_arms_that_hang_on_the_neck_do_not_make_it_the_chest(tmp_path):
+    """Biped of 3ds Max: the neck turns with the head, the chest does not."""
+    limbs = named(LIMB_PARTS, "Clavicle UpperArm Forearm Hand Finger2 Thigh Calf Foot Toe0")
+    trunk = {part: f"Bip01 {name}" for part, name in named(TRUNK_PARTS, "Pelvis Spine Spine1 Neck Head").items()}
+    names, joints = sided("L", "R", limbs, trunk, "Bip01 {side} {name}"), figure()
+    for side, sign in (("l", 1), ("r", -1)):
+        joints[f"{side}_clavicle"] = ("neck", (sign * 4, -6, 0))
+    (tmp_path / "clip.bvh").write_text(bvh(names, joints=joints))
+    found = matched(tmp_path / "clip.bvh")
+    assert {part: found.get(part) for part in trunk} == trunk
 
 
 @pytest.mark.parametrize("convention", WORDLESS)

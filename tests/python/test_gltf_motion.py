@@ -70,6 +70,14 @@ def test_what_stands_behind_a_clip_is_left_aside(tmp_path):
             d.SourceMotion.read(path)
 
 
+@pytest.mark.parametrize("rate", [30, 60, 120])
+def test_key_times_of_whole_milliseconds_keep_their_rate(tmp_path, rate):
+    times, half = np.round(np.arange(rate + 1) / rate, 3), np.linspace(0, 0.5, rate + 1)
+    turns = np.stack([0 * half, 0 * half, np.sin(half), np.cos(half)], axis=1)
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm(tracks=[(2, "rotation", times, turns, "LINEAR")])))
+    assert (clip.fps, clip.frame_count) == (rate, rate + 1)
+
+
 def test_joints_of_the_skin_in_metres_relative_to_how_they_rest(tmp_path):
     clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm()))
     assert clip.joint_names == ["shoulder", "elbow", "wrist"]

@@ -69,6 +69,19 @@ public:
         return;
       }
   }
+  /// 3ds Max hangs the arms on the neck, which turns with the head: the chest is what carries it.
+  void lower_chest() {
+    const std::vector<int> &necks = by_name_["neck"];
+    const auto chest = found.find("chest"), pelvis = found.find("pelvis");
+    if (chest == found.end() || pelvis == found.end())
+      return;
+    int joint = chest->second;
+    while (std::find(necks.begin(), necks.end(), joint) != necks.end() && is_below(joint, pelvis->second) &&
+           parents_[joint] != pelvis->second)
+      joint = parents_[joint];
+    if (joint != chest->second)
+      set("chest", joint, "by its place: it carries the neck, on which the arms hang");
+  }
 
 private:
   bool plays_another(int joint) const {
@@ -192,6 +205,8 @@ Matcher matched(const std::vector<std::string> &names, const std::vector<int> &p
   }
   match.fork("pelvis", "l_hip", "r_hip", "by its place: where the legs meet");
   match.fork("chest", "l_shoulder", "r_shoulder", "by its place: where the arms meet");
+  if (!given.count("chest") && !stated.count("chest"))
+    match.lower_chest();
   match.above("spine", "chest");
   match.below("neck", "chest");
   match.below("head", "chest");

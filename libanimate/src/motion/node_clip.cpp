@@ -18,6 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kFewestKeys = 24, kMostKeys = 240; // 1/s at which a clip is sampled, whatever its keys
 constexpr double kRounding = 1e-4;                  // s, by which key times, which are floats, may be off
+constexpr double kUnevenKeys = 0.2;                 // of a gap, by which one may be off
 constexpr double kUnchanged = 1e-3;                 // by which a component of a quaternion, or of a place (m), may vary
 constexpr double kMovesTheBody = 0.5;               // of the nodes that the liveliest animation turns
 
@@ -290,7 +291,8 @@ private:
   /// The nearest joint above; -1: none.
   int parent_joint(int node) const { return above_[node]; }
 
-  /// That of the track with the most keys.
+  /// That of the track with the most keys. Their times may be rounded: where all gaps are whole numbers of the usual one, its
+  /// mean counts.
   double rate() const {
     if (densest_.size() < 2)
       return kFewestKeys;
@@ -298,7 +300,14 @@ private:
     for (std::size_t k = 1; k < densest_.size(); ++k)
       gaps.push_back(static_cast<double>(densest_[k]) - densest_[k - 1]);
     std::nth_element(gaps.begin(), gaps.begin() + gaps.size() / 2, gaps.end());
-    const double found = std::clamp(1 / gaps[gaps.size() / 2], kFewestKeys, kMostKeys), whole = std::round(found);
+    double usual = gaps[gaps.size() / 2], steps = 0;
+    for (const double gap : gaps) {
+      const double count = std::round(gap / usual);
+      steps = count >= 1 && std::abs(gap - count * usual) < kUnevenKeys * usual ? steps + count : std::nan("");
+    }
+    if (std::isfinite(steps))
+      usual = (static_cast<double>(densest_.back()) - densest_.front()) / steps;
+    const double found = std::clamp(1 / usual, kFewestKeys, kMostKeys), whole = std::round(found);
     return std::abs(found - whole) < 0.01 * found ? whole : found; // key times are floats
   }
 
