@@ -56,10 +56,13 @@ def stl_text(solid="solid box", end="\n") -> bytes:
         stl_text("  Solid"),
         b"\xef\xbb\xbf" + stl_text(end="\r\n"),
         stl_text(end="\r"),
+        stl_text().replace(b"\n  outer", b" outer"),
+        stl_text(end="\r\n") + b"\x1a",
+        stl_text() + b"\0" * 7,
     ],
     ids=[
         "solid in the header", "bytes behind", "solid and bytes", "SOLID and a byte", "colours", "attributes", "text",
-        "capitals", "blanks before", "BOM and CRLF", "CR",
+        "capitals", "blanks before", "BOM and CRLF", "CR", "loop beside the normal", "end of DOS", "padded",
     ],
 )  # fmt: skip
 def test_stl(tmp_path, content):

@@ -50,6 +50,25 @@ def test_a_negative_axis_and_a_factor(tmp_path):
     np.testing.assert_array_equal(d.read_calibration(out)[1].camera.t, turned[1].camera.t)
 
 
+@pytest.mark.parametrize("pose", ['rotation = "null"\ntranslation = "null"\n', "rotation = []\ntranslation = []\n"])
+def test_a_pose_that_is_null_was_not_found(tmp_path, pose):
+    path, _ = calibrations.write_all(tmp_path)["toml"]
+    matrix = "matrix = [[900, 0, 640], [0, 900, 360], [0, 0, 1]]\n"
+    (tmp_path / "more.toml").write_text(path.read_text() + f'\n[lost]\nname = "lost"\nsize = [1280, 720]\n{matrix}{pose}')
+    said = []
+    cameras = d.read_calibration(tmp_path / "more.toml", d.CalibrationOptions(), d.Context(log=said.append))
+    assert len(cameras) == len(d.read_calibration(path)) and "camera 'lost' has no rotation and translation" in " ".join(said)
+
+
+def test_a_size_of_floats(tmp_path):
+    path, (intri, _) = calibrations.write_all(tmp_path)["easymocap"]
+    sizes = [(c.camera.width, c.camera.height) for c in d.read_calibration(path)]
+    lines = [f"{line}." if line[:2] in ("W_", "H_") else line for line in intri.read_text().splitlines()]
+    assert any(line.endswith(".") for line in lines)
+    intri.write_text("\n".join(lines) + "\n")
+    assert [(c.camera.width, c.camera.height) for c in d.read_calibration(path)] == sizes
+
+
 def test_the_size_of_the_images_may_be_said(tmp_path, capsys):
     path, (intri, _) = calibrations.write_all(tmp_path)["easymocap"]
     lines = [line for line in intri.read_text().splitlines() if line[:2] not in ("W_", "H_")]

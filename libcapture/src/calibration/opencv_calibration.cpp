@@ -115,8 +115,9 @@ std::vector<double> required(const cv::FileStorage &storage, Keys keys, std::ini
 /// The size in keys of its own or in one list; 0 if there is none.
 ImageSize size_in(const cv::FileStorage &storage, Keys widths, Keys heights, Keys both) {
   const cv::FileNode width = first_of(storage, widths), height = first_of(storage, heights);
-  if (width.isInt() && height.isInt())
-    return {static_cast<int>(width), static_cast<int>(height)};
+  const auto is_number = [](const cv::FileNode &node) { return node.isInt() || node.isReal(); };
+  if (is_number(width) && is_number(height)) // Python's numbers of pixels are often floats
+    return size_from({static_cast<double>(width), static_cast<double>(height)});
   return size_from(numbers_of(first_of(storage, both)));
 }
 

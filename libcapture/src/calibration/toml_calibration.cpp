@@ -70,6 +70,13 @@ CalibratedCamera camera_in(const toml::table &table, const std::string &key, Ima
   return result;
 }
 
+/// What was not found is left out, or is an empty list, or the word null.
+bool is_there(const toml::table &table, const char *key) {
+  const toml::node *node = table.get(key);
+  const toml::array *list = node ? node->as_array() : nullptr;
+  return node && (list ? !list->empty() : node->value_or(std::string()) != "null");
+}
+
 struct Entry {
   std::string key;
   const toml::table *table;
@@ -96,7 +103,7 @@ std::vector<CalibratedCamera> read_toml_calibration(const fs::path &path, ImageS
   std::vector<CalibratedCamera> cameras;
   const std::vector<Entry> entries = camera_tables(file);
   for (const auto &[key, table] : entries) {
-    if (table->contains("rotation") || table->contains("translation"))
+    if (is_there(*table, "rotation") || is_there(*table, "translation"))
       cameras.push_back(camera_in(*table, key, size, path));
     else
       left_out.push_back("camera '" + (*table)["name"].value_or(key) +

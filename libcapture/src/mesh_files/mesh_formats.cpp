@@ -74,9 +74,14 @@ Mesh parse_stl_text(const std::string &data, const std::string &source) {
       words.skip_line();
       continue;
     }
+    const bool padding = key.find_first_not_of(std::string_view("\0\x1A", 2)) == key.npos; // DOS ended its texts so
+    if (padding && words.next().empty())
+      break;
     require(key, "facet");
-    words.skip_line(); // its normal follows from the corners
-    require(words.next(), "outer");
+    std::string_view word = words.next();
+    for (int skipped = 0; skipped < 4 && !is(word, "outer"); ++skipped) // its normal follows from the corners
+      word = words.next();
+    require(word, "outer");
     require(words.next(), "loop");
     std::vector<int> corners;
     for (int k = 0; k < 3; ++k) {

@@ -26,6 +26,7 @@ WITH_ALPHA = re.compile(r"yuva|gbrap|rgba|argb|abgr|bgra|ya8|ya16|pal8")  #: pix
 ALPHA_DECODERS = {"vp8": "libvpx", "vp9": "libvpx-vp9"}  #: ffmpeg's own ones leave the second stream aside
 NO_FFMPEG = "the program ffmpeg is not installed; a video needs it (apt install ffmpeg, or pip install imageio-ffmpeg)"
 EVEN = 0.1  #: of a frame, by which the times of one rate may be rounded
+ROUNDED = 1e-6  #: of a frame's time, by which its number may be off
 DROPPED = 0.3  #: of a frame, by which the times of a clock may be off whose frames were dropped
 
 
@@ -229,7 +230,7 @@ def rate_of(times: np.ndarray) -> float:
     whole = max(round(1 / gap), 1)
     likely = min((whole, whole / 1.001), key=lambda rate: abs(1 / rate - gap))
     error = float(np.sqrt(off @ off / len(off)) / np.linalg.norm(frames - frames.mean()))  # standard error of the gap
-    return float(likely if abs(1 / likely - gap) <= 3 * error else 1 / gap)
+    return float(likely if abs(1 / likely - gap) <= 3 * error + ROUNDED * gap else 1 / gap)
 
 
 def first_line(said: bytes) -> str:
