@@ -11,6 +11,21 @@
 using namespace doublet;
 using namespace doublet::testing;
 
+namespace {
+
+/// Everything below the knees is cloth.
+Segmentation shins_of(const RiggedMesh &actor) {
+  const Eigen::Index count = actor.mesh.vertices.rows();
+  const Eigen::Array<bool, Eigen::Dynamic, 1> shin = actor.mesh.vertices.col(1).array() < 0.4;
+  Segmentation shins;
+  shins.region_count = 1;
+  shins.clothness = shin.cast<double>();
+  shins.region = shin.select(Eigen::VectorXi::Zero(count), -Eigen::VectorXi::Ones(count));
+  return shins;
+}
+
+} // namespace
+
 TEST(CharacterSimulator, WithoutClothIsSkinning) {
   const RiggedMesh actor = figure_actor(0.05);
   Segmentation none;
@@ -51,12 +66,7 @@ TEST(CharacterSimulator, TheWayInLeadsFromTheRestPoseToThePose) {
 
 TEST(CharacterSimulator, ClothThatIsPutOnGoesAlongThroughAllOfTheWay) {
   const RiggedMesh actor = figure_actor(0.05);
-  const Eigen::Index count = actor.mesh.vertices.rows();
-  Segmentation shins;
-  shins.region_count = 1;
-  shins.clothness = (actor.mesh.vertices.col(1).array() < 0.4).cast<double>();
-  shins.region = (actor.mesh.vertices.col(1).array() < 0.4).select(Eigen::VectorXi::Zero(count), -Eigen::VectorXi::Ones(count));
-  const CharacterSimulator simulator(actor, shins, {});
+  const CharacterSimulator simulator(actor, shins_of(actor), {});
   const std::vector<pbd::Material> materials(simulator.regions().size());
   ASSERT_FALSE(materials.empty());
   std::vector<PosedFrame> way;
@@ -76,12 +86,7 @@ TEST(CharacterSimulator, ClothThatIsPutOnGoesAlongThroughAllOfTheWay) {
 
 TEST(CharacterSimulator, AFrameOfAnotherCharacterIsRefused) {
   const RiggedMesh actor = figure_actor(0.05);
-  const Eigen::Index count = actor.mesh.vertices.rows();
-  Segmentation shins;
-  shins.region_count = 1;
-  shins.clothness = (actor.mesh.vertices.col(1).array() < 0.4).cast<double>();
-  shins.region = (actor.mesh.vertices.col(1).array() < 0.4).select(Eigen::VectorXi::Zero(count), -Eigen::VectorXi::Ones(count));
-  const CharacterSimulator simulator(actor, shins, {});
+  const CharacterSimulator simulator(actor, shins_of(actor), {});
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(actor.skeleton.dof_count());
   const RiggedMesh coarse = figure_actor(0.08);
   const Eigen::Index fewer = coarse.mesh.vertices.rows();
@@ -106,12 +111,8 @@ TEST(CharacterSimulator, AFrameOfAnotherCharacterIsRefused) {
 /// A trouser leg that is twice as wide at rest is where cloth begins; one that the leg has left is not.
 TEST(CharacterSimulator, ClothBeginsAtARestShapeThatTheLimbsAreStillIn) {
   const RiggedMesh actor = figure_actor(0.05);
-  const Eigen::Index count = actor.mesh.vertices.rows();
   const Eigen::Array<bool, Eigen::Dynamic, 1> shin = actor.mesh.vertices.col(1).array() < 0.4;
-  Segmentation shins;
-  shins.region_count = 1;
-  shins.clothness = shin.cast<double>();
-  shins.region = shin.select(Eigen::VectorXi::Zero(count), -Eigen::VectorXi::Ones(count));
+  Segmentation shins = shins_of(actor);
   const auto start_at = [&](const Vertices &rest) {
     shins.rest = rest;
     const CharacterSimulator simulator(actor, shins, {});
