@@ -86,11 +86,11 @@ void check_regions(const CharacterState &state, const std::vector<pbd::Material>
 }
 
 /// A state is lent to the solver, which it cannot be twice.
-void require_distinct(std::span<CharacterState *const> states, const std::string &caller) {
+void require_distinct(std::span<CharacterState *const> states, const char *caller) {
   std::vector<CharacterState *> sorted(states.begin(), states.end());
   std::sort(sorted.begin(), sorted.end());
   if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
-    throw std::invalid_argument(caller + ": expected every state once, found one twice");
+    throw std::invalid_argument(std::string(caller) + ": expected every state once, found one twice");
 }
 
 /// What a region's solver is told about a frame; `targets` must outlive it.

@@ -157,8 +157,8 @@ struct Take {
 };
 
 /// The material, and the width, under which the takes are explained together: their energies are added, each in its own images. A
-/// character without cloth has no material: a result without regions. Without feature matches E_fit is without
-/// their term. Throws std::invalid_argument without takes, if they differ in regions or widths, or if a dt is not positive.
+/// character without cloth has no material: a result without regions. Without feature matches E_fit is without their
+/// term. Throws std::invalid_argument without takes, if they differ in regions or widths, or if a dt is not positive.
 FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &options = {}, const Context &context = {});
 /// Of one take, of a garment of one width. dt: s, one video frame.
 FitResult estimate_material(const CharacterSimulator &simulator, const ReferencePerformance &performance,
