@@ -15,6 +15,7 @@ from doublet.export import bone_map, vertex_animation
 from doublet.export.clips import read_clip, read_motion
 from doublet.export.usd import identifier, identifiers, texture_path, write_usdc
 from doublet.export.vertex_animation import write_vertex_animation
+from doublet.pages.view import poses_of
 from glb_viewer import Viewer
 from test_motions import actor_skeleton
 
@@ -465,6 +466,15 @@ def test_a_clip_of_strange_names_plays_with_a_map(folder, character):
     (folder / "map.toml").write_text(lines)
     played = read_motion(folder / "strange.bvh", character, d.RetargetOptions(), bone_map=folder / "map.toml")
     np.testing.assert_array_equal(played.dofs, read_motion(folder / "walk.bvh", character, d.RetargetOptions()).dofs)
+
+
+def test_poses_of_a_page_are_retargeted_at_the_rate_that_is_asked_for(folder, character):
+    own, asked = 1 / character.solver.dt, d.RetargetOptions(fps=8)
+    coarse = read_motion(folder / "walk.bvh", character, asked)
+    poses = np.frombuffer(poses_of(folder / "walk.bvh", character, asked, d.Context()), "<f8")
+    expected = d.resample(character.actor.skeleton, coarse, own).dofs
+    np.testing.assert_array_equal(poses.reshape(-1, expected.shape[1]), expected)
+    assert len(expected) > 2 * len(coarse) and asked.fps == 8
 
 
 def test_a_joint_that_is_left_out_is_not_guessed(folder):

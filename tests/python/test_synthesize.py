@@ -150,6 +150,15 @@ def test_poses_of_an_animation_have_their_rate(character, motion, tmp_path):
         np.testing.assert_allclose(read.dofs, motion.dofs[:: 14 // count], atol=1e-6)
 
 
+def test_a_motion_of_another_rate_is_filmed_at_the_characters(made, character, motion, tmp_path):
+    slow = d.resample(character.actor.skeleton, motion, FPS / 2)
+    frames = synthesize(character, slow, tmp_path, SynthesisOptions(camera_count=2, image_size=64), console=QUIET)
+    session = d.Session(tmp_path)
+    assert (session.fps, session.frame_count) == (FPS, frames) == (FPS, 13)  # 7 frames at half the rate, 6 between them
+    filmed, original = (Truth(folder / "ground_truth").joints()[1] for folder in (tmp_path, made))
+    np.testing.assert_allclose(filmed[frames - 1], original[frames - 1], atol=1e-6)
+
+
 def written(character, path):
     character.write(path)
     return path
@@ -162,6 +171,11 @@ def test_wrong_input_is_one_sentence(made, character, motion, tmp_path):
         synthesize(character, motion, tmp_path, SynthesisOptions(frame_count=99), console=QUIET)
     with pytest.raises(ValueError, match="image_size"):
         synthesize(character, motion, tmp_path, SynthesisOptions(image_size=63), console=QUIET)
+    unnamed = d.Session(made).rig[0]
+    unnamed.name = "camera 1"
+    with pytest.raises(ValueError, match="found 'camera 1'"):
+        synthesize(character, motion, tmp_path / "unnamed", rig=[unnamed], console=QUIET)
+    assert not (tmp_path / "unnamed" / "videos").exists()  # before anything is filmed
     np.savez(tmp_path / "other.npz", dofs=np.zeros((5, 3)))
     with pytest.raises(ValueError, match=r"expected finite 'dofs' of shape \(T, 9\), found \(5, 3\)"):
         read_motion(tmp_path / "other.npz", character, d.RetargetOptions())

@@ -15,6 +15,7 @@ from ..common.console import Console
 from ..common.files import write_json, written_atomically
 from ..common.packaged import body_model_path
 from ..common.video import VideoWriter
+from ..export.clips import at_own_rate
 
 FRAMES_A_CHUNK = 32  # of ground_truth/frames_*.npz: bounds memory while writing and reading
 BODY, GARMENT = 128, 255  # labels of the true masks
@@ -196,18 +197,20 @@ def synthesize(
     rig: list[d.Camera] | None = None,
     console: Console | None = None,
 ) -> int:
-    """Writes the session and its truth to the folder `out`; returns the number of frames. `rig`: cameras with names, or None
-    for a ring of them. The motion's first frame is the scan pose. Raises ValueError for options out of range, FileExistsError
-    if `out` holds a session already."""
+    """Writes the session and its truth to the folder `out`; returns the number of frames, which are at the character's own rate.
+    `rig`: cameras with names, or None for a ring of them. The motion's first frame is the scan pose. Raises ValueError for
+    options out of range or cameras whose names no calibration can hold, FileExistsError if `out` holds a session already."""
     options, console, out = options or SynthesisOptions(), console or Console(), Path(out)
     options.validate()
     if (out / "session.json").exists():
         raise FileExistsError(f"{out / 'session.json'} exists; give another folder, or delete it")
+    motion = at_own_rate(motion, character)
     if options.frame_count > len(motion):
         raise ValueError(f"frame_count is {options.frame_count}, the motion has {len(motion)} frames")
     if options.frame_count > 0:
         motion = d.Motion(motion.fps, motion.dofs[: options.frame_count])
     rig = rig or ring_of_cameras(character, motion, options.camera_count, options.image_size)
+    d.write_calibration(out / "calibration.yml", rig)  # first: not every name of a camera can be written
     surfaces, renderer = Surfaces(character), d.CharacterRenderer(character)
     truth = TruthWriter(out / "ground_truth", surfaces, character.actor.skeleton.joint_names)
     # Little key light: the shadows that a texture baked from video keeps are of the studio's light.
@@ -240,7 +243,6 @@ def synthesize(
     truth.finish()
     materials = [m.to_dict() for m in character.materials]
     write_json(out / "ground_truth" / "material.json", {"regions": materials, "dt": character.solver.dt})
-    d.write_calibration(out / "calibration.yml", rig)
     session = {
         "name": character.name,
         "fps": motion.fps,

@@ -14,7 +14,7 @@ from .. import _doublet as d
 from ..common.console import Console
 from ..common.video import VideoWriter
 from . import bone_names
-from .clips import centred, read_motion
+from .clips import at_own_rate, centred, read_motion
 from .level_of_detail import level_of_detail, only_drawn
 from .usd import usd_modules, write_usdc
 from .vertex_animation import write_vertex_animation
@@ -72,7 +72,7 @@ def animate(
     if out.suffix == ".png":
         return write_vertex_animation(out, character, motion, output.animation, context, drawn)
     if out.suffix == ".bvh":
-        motion = d.resample(character.actor.skeleton, motion, 1 / character.solver.dt)
+        motion = at_own_rate(motion, character)
         d.write_bvh(out, character.actor.skeleton, motion)
         if output.bone_names:
             bone_names.rename(out, output.bone_names)

@@ -53,6 +53,12 @@ MOST_LIKELY_SPEED = 15  # m/s, nobody runs faster
 AMASS_RATES = RATES[:2]  # its world has +Z up
 
 
+def at_own_rate(motion: d.Motion, character: d.Character) -> d.Motion:
+    """The motion at the rate of the character's solver, for which its material was estimated."""
+    own = 1 / character.solver.dt
+    return motion if np.isclose(motion.fps, own) else d.resample(character.actor.skeleton, motion, own)
+
+
 def read_motion(
     path: Path,
     character: d.Character,

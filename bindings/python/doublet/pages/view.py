@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import json
 import os
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ import numpy as np
 from .. import _doublet as d
 from ..common.files import write_text, written_atomically
 from ..common.packaged import DATA
-from ..export.clips import read_motion
+from ..export.clips import at_own_rate, read_motion
 
 PACKAGED = DATA / "viewer"
 #: Of the page <- of the bundle.
@@ -72,9 +73,10 @@ def base64_of(content: bytes) -> str:
 
 
 def poses_of(clip: Path, character: d.Character, retargeting: d.RetargetOptions, context: d.Context) -> bytes:
-    """(T, D) float64 at the character's own rate, for which its material was estimated."""
-    retargeting.fps = 1 / character.solver.dt
-    motion = read_motion(clip, character, retargeting, context)
+    """(T, D) float64 at the character's own rate."""
+    retargeting = copy.copy(retargeting)
+    retargeting.fps = retargeting.fps or 1 / character.solver.dt
+    motion = at_own_rate(read_motion(clip, character, retargeting, context), character)
     return np.ascontiguousarray(motion.dofs, "<f8").tobytes()
 
 

@@ -46,7 +46,7 @@ def run(arguments) -> None:
     if arguments.material:
         character.materials = materials_of(character, arguments.material)
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
-    retargeting.fps = 1 / character.solver.dt
+    retargeting.fps = retargeting.fps or 1 / character.solver.dt
     motion = read_motion(arguments.motion, character, retargeting)
     rig = d.Session(arguments.cameras).rig if arguments.cameras else None
     frames = synthesize(character, motion, arguments.out, options, rig, console)
