@@ -112,6 +112,16 @@ def test_modules_that_help_names_are_there():
         d.nonsense  # noqa: B018
 
 
+def test_names_that_pages_have_are_there():
+    """In a fresh process, where nobody has imported their modules."""
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    text = "\n".join(re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL) for page in pages)
+    named = set(re.findall(rf"`doublet\.((?:{'|'.join(d.MODULES)})(?:\.\w+)+)", text))
+    assert "export.level_of_detail.level_of_detail" in named and len(named) > 10
+    program = "import sys, doublet\nfor name in sys.argv[1:]:\n    eval(f'doublet.{name}')"
+    subprocess.run([sys.executable, "-c", program, *sorted(named)], check=True)
+
+
 def test_help_fits_a_screen_and_names_what_is_there():
     lines = pydoc.plain(pydoc.render_doc(d)).splitlines()
     assert len(lines) <= 60 and max(map(len, lines)) <= 135

@@ -69,8 +69,8 @@ def read_motion(
 ) -> d.Motion:
     """A clip (.bvh, .amc, .fbx, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the
     same skeleton, as they are, at the rate of `retargeting.fps`, else the character's own; or those of an animation's .npz, which
-    has its rate. `bone_map`: a file of
-    `doublet.bone_map`; what `retargeting.joint_names` says beats it. `animation`: of a .glb or .fbx, by name or number from 1."""
+    has its rate. `bone_map`: a file of `doublet.export.bone_map`; what `retargeting.joint_names` says beats it. `animation`: of a
+    .glb or .fbx, by name or number from 1."""
     path, context = Path(path), context or d.Context()
     own = own_poses(path)
     if own is None:
