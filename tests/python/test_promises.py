@@ -293,6 +293,12 @@ def test_folders_stand_on_both_sides_of_an_option(words, name):
     assert len(getattr(parsed, name)) == (2 if name == "takes" else 3)
 
 
+def test_the_help_of_every_command_says_what_it_does():
+    commands = next(action for action in build_parser()._actions if action.dest == "command")
+    said = {choice.dest: choice.help for choice in commands._choices_actions}
+    assert {name: command.description for name, command in commands.choices.items()} == said
+
+
 def test_an_option_that_is_none_is_refused_among_folders(capsys):
     with pytest.raises(SystemExit):
         build_parser().parse_args(["fit", "A", "--nonsense", "B"])

@@ -20,7 +20,8 @@ ANIMATE_GROUPS = {"retarget": d.RetargetOptions, "animate": d.AnimateOptions, "g
 
 
 def register(commands) -> None:
-    command = commands.add_parser("animate", help="a character and a motion -> a new animation")
+    text = "a character and a motion -> a new animation"
+    command = commands.add_parser("animate", help=text, description=text)
     command.add_argument("character", type=Path, metavar="CHARACTER.glb")
     command.add_argument("motion", type=Path, metavar="MOTION", help=MOTION_HELP)
     text = ".npz, .glb, .usdc, .mp4, _vat.png (vertex animation texture), or .bvh of the skeleton alone"

@@ -14,8 +14,9 @@ from ..common_flags import common_flags, make_console
 
 
 def register(commands) -> None:
-    command = commands.add_parser("evaluate", help="errors of a reconstruction against a ground truth")
-    command.add_argument("out", type=Path, metavar="OUT")
+    text = "errors of a reconstruction against a ground truth"
+    command = commands.add_parser("evaluate", help=text, description=text)
+    command.add_argument("out", type=Path, metavar="OUT", help="folder of the results")
     command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
     command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
     command.add_argument("--every", type=int, default=1, metavar="N", help="measure every n-th frame (default: all)")

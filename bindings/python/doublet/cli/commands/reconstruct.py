@@ -17,7 +17,8 @@ USUAL = (
 
 
 def register(commands) -> None:
-    command = commands.add_parser("reconstruct", help="a capture session -> an animatable character and a report")
+    text = "a capture session -> an animatable character and a report"
+    command = commands.add_parser("reconstruct", help=text, description=text)
     command.add_argument("session", type=Path, nargs="?", metavar="SESSION", help="folder with session.json")
     command.add_argument("-o", "--out", type=Path, metavar="OUT", help="folder of the results; an earlier run goes on")
     text = "write every option with its value, unit and bounds to a file for --config, and run nothing"

@@ -34,8 +34,8 @@ def register(commands) -> None:
         "--keypoints",
         type=Path,
         metavar="FOLDER",
-        help="joints in the images, of OpenPose, RTMPose or MediaPipe: a JSON file or a folder of them for each camera; "
-        "the session keeps them, and tracking goes by them, too",
+        help="joints in the images, of OpenPose, RTMPose, AlphaPose, YOLO or MediaPipe: a file or a folder of them for each "
+        "camera; the session keeps them, and tracking goes by them, too",
     )
     scan.add_argument(
         "--given",

@@ -10,9 +10,10 @@ from ..option_flags import add_option_flags, chosen_options
 
 
 def register(commands) -> None:
-    train = commands.add_parser("train-body", help="registered meshes -> statistical body model")
-    train.add_argument("population", type=Path, metavar="POPULATION.npz")
-    train.add_argument("-o", "--out", type=Path, required=True, metavar="MODEL.npz")
+    text = "registered meshes -> statistical body model"
+    train = commands.add_parser("train-body", help=text, description=text)
+    train.add_argument("population", type=Path, metavar="POPULATION.npz", help="its arrays: docs/body-model.md")
+    train.add_argument("-o", "--out", type=Path, required=True, metavar="MODEL.npz", help="the model")
     common_flags(train)
     add_option_flags(train, {"train": d.TrainOptions})
     train.set_defaults(run=run)
