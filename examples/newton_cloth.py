@@ -82,8 +82,8 @@ def main(folder, seconds=2.0, start=0.0):
                 np.add.at(normal, faces[:, k], across)
             normal /= np.linalg.norm(normal, axis=1, keepdims=True)
             along = np.sum(v * normal, axis=1, keepdims=True)  # drag, quadratic along the normal and linear across it
-            v += along * normal * (1 / (1 + material["d_n"] * np.abs(along) * h) - 1)
-            v += (v - np.sum(v * normal, axis=1, keepdims=True) * normal) * (np.exp(-material["d_t"] * h) - 1)
+            v += along * normal * (1 / (1 + material["d_n"] * np.abs(along) * h / 2) - 1)
+            v += (v - np.sum(v * normal, axis=1, keepdims=True) * normal) * (np.exp(-material["d_t"] * h / 2) - 1)
             arm, share = x - mass @ x / mass.sum(), 1 - (1 - material["k_damping"]) ** (1 / SUBSTEPS)
             spin = np.linalg.solve(np.einsum("n,nab->ab", mass, inertia(arm)), mass @ np.cross(arm, v))
             v += share * (mass @ v / mass.sum() + np.cross(spin, arm) - v)  # towards rigid motion (Mueller et al. 2007)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from doublet.cli import program as cli
 from doublet.export import cloth_usd
-from doublet.export.cloth import export_cloth
+from doublet.export.cloth import AIR, engines_of, export_cloth
 from doublet.export.cloth_stiffness import springs_of
 
 DENSITY, G = 0.3, 9.81
@@ -59,6 +59,22 @@ def test_a_hinge_carries_its_weight():
     assert springs.hinges.tolist() == [[0, 1, 2, 3]] and 0.02 < angle < 1
     moment = DENSITY / model.inverse_masses[3] * G * places[3, 0]
     assert springs.bend[0] * angle == pytest.approx(moment, rel=0.02)
+
+
+@pytest.mark.parametrize(("engine", "name"), [("chaos", "drag_coefficient"), ("physx_particle_cloth", "drag")])
+def test_drag_carries_the_weight_of_what_falls(engine, name):
+    """A free sheet, broadside: half of the air's density times speed squared, by the coefficient."""
+    x, z = np.meshgrid([-0.1, 0, 0.1], [-0.1, 0, 0.1])
+    rest = np.column_stack([x.ravel(), np.zeros(9), z.ravel()])
+    corners = [(a, a + 3, a + 1, a + 4) for a in (0, 1, 3, 4)]
+    model = d.ClothModel(rest, [f for a, b, c, e in corners for f in ([a, b, c], [b, e, c])], np.ones(9))
+    material = d.Material(d_n=4, d_t=0, k_friction=0, k_damping=0)
+    solver, state = d.ClothSolver.create(model), d.ClothState(rest)
+    for _ in range(80):
+        solver.step(state, d.StepInputs(targets=rest), material)
+    speed = np.linalg.norm(np.mean(state.velocities, axis=0))
+    coefficient = engines_of(springs_of(model, material, DENSITY), model, material, DENSITY)[engine][name]
+    assert 0.5 * AIR * coefficient * speed**2 == pytest.approx(DENSITY * G, rel=0.03)
 
 
 # --- the files
@@ -150,7 +166,7 @@ def explicit(cloth, motion, stretch_factor=1.0, bend_factor=1.0, steps=120):
                 np.add.at(normal, faces[:, k], across)
             normal /= np.linalg.norm(normal, axis=1, keepdims=True)
             along = np.sum(v * normal, axis=1, keepdims=True)
-            drag = material["d_n"] * np.abs(along) * along * normal + material["d_t"] * (v - along * normal)
+            drag = (material["d_n"] * np.abs(along) * along * normal + material["d_t"] * (v - along * normal)) / 2
             v += h * (force / mass[:, None] + cloth["gravity"] - drag)
             x = x + h * v
             centre = np.array(motion["joints"]["translations"][t - 1]) * (1 - s) + s * np.array(

@@ -178,7 +178,7 @@ def engines_of(springs: Springs, model: d.ClothModel, material: d.Material, area
     stretch, bend = median(springs.stretch), median(springs.bend)
     lengths = np.linalg.norm(np.diff(np.asarray(model.rest)[springs.hinges[:, :2]], axis=1)[:, 0], axis=1)
     heights = hinge_heights(springs, np.asarray(model.rest), lengths)
-    drag = 2 * areal_density * material.d_n / AIR
+    drag = areal_density * material.d_n / AIR  # the cloth's deceleration is d_n / 2 times its speed squared
     lame = 3 / 8 * springs.young  # both of Lame's, at Poisson's ratio 1/3
     mean_edge = float(np.mean(springs.lengths)) if len(springs.lengths) else 0.0
     values = {
