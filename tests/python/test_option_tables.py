@@ -61,5 +61,14 @@ def test_a_page_says_what_is_true_now(page):
     assert [m[0] for m in HISTORY.finditer((tables.DOCS / page).read_text(encoding="utf-8"))] == []
 
 
+@pytest.mark.parametrize("page", [*PAGES, "../README.md"])
+def test_every_row_of_a_table_has_its_columns(page):
+    """A bar in code parts cells, too, unless a backslash stands before it."""
+    text = re.sub(r"```.*?```", "", (tables.DOCS / page).read_text(encoding="utf-8"), flags=re.DOTALL)
+    for table in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE):
+        bars = [len(re.findall(r"(?<!\\)\|", row)) for row in table.splitlines()]
+        assert bars == [bars[0]] * len(bars), table.splitlines()[bars.index(next(n for n in bars if n != bars[0]))]
+
+
 def test_the_results_fit_on_one_page():
     assert PAGES["results.md"].count("\n") <= 150
