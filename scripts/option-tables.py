@@ -5,13 +5,17 @@ from pathlib import Path
 
 import doublet as d
 from doublet import reconstruct
+from doublet.cli.commands.animate import ANIMATE_GROUPS
 from doublet.cli.option_flags import to_text
 from doublet.reconstruct.options import plain
+from doublet.scan.make_scan import GROUPS as SCAN_GROUPS
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 MARKED = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- /options -->)", re.DOTALL)
 #: Name on the command line (`--GROUP-OPTION`) of the classes that are there.
-GROUPS = {c.__name__: g for g, c in {**reconstruct.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}.items()}
+GROUPS = {
+    c.__name__: g for g, c in {**reconstruct.OPTION_GROUPS, **SCAN_GROUPS, **ANIMATE_GROUPS, "train": d.TrainOptions}.items()
+}
 
 
 def as_text(value) -> str:
