@@ -41,7 +41,8 @@ def register(commands) -> None:
         "--given",
         type=Path,
         metavar="FILE",
-        help="a scan in the pose of the frame, in any unit, on any axis, with its floor: brought to what the cameras see",
+        help="a scan in the pose of the frame, in m, cm, mm or inches, any axis up, with its floor: brought to what the "
+        "cameras see",
     )
     scan.add_argument(
         "--refine",
