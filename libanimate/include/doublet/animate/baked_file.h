@@ -30,7 +30,7 @@ struct BakedGlbOptions {
         "BakedGlbOptions",
         option(&O::max_error, "max_error", Range{0, 0.1}, "m",
                "Shapes are the principal components that leave this error (RMS, of each mesh); 0 = a shape a key, exact",
-               "At 1 mm the file has a quarter of the size, and no frame has to be left out"),
+               "At 1 mm the file has a third of the size, and no frame has to be left out"),
         option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s", "Keys of the shapes a second; 0 = one a frame",
                "Viewers blend between them; at 10 loose cloth is up to 2 cm off"),
         option(
