@@ -80,6 +80,14 @@ TEST(Limbs, AreTheChainsBetweenForks) {
   const Skeleton chain = make_skeleton({{"a", "", {0, 0, 0}, 6}, {"b", "a", {0, 1, 0}, 3}, {"c", "b", {0, 2, 0}, 1}});
   ASSERT_EQ(find_limbs(chain).size(), 1u);
   EXPECT_EQ(find_limbs(chain)[0].dofs.size(), 4u);
+  const Skeleton carried = make_skeleton({{"root", "", {0, 0, 0}, 6},
+                                          {"pelvis", "root", {0, 0.1, 0}, 0}, // nothing to search: no limb
+                                          {"spine", "pelvis", {0, 0.4, 0}, 3},
+                                          {"l_hip", "pelvis", {0.1, 0, 0}, 3},
+                                          {"r_hip", "pelvis", {-0.1, 0, 0}, 3}});
+  ASSERT_EQ(find_limbs(carried).size(), 3u);
+  for (const Limb &limb : find_limbs(carried))
+    EXPECT_EQ(limb.dofs.size(), 3u) << limb.name;
 }
 
 const std::pair<const char *, const char *> kTurns[] = {

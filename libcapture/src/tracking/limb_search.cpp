@@ -24,6 +24,13 @@ std::vector<std::vector<int>> free_branches(const Skeleton &skeleton) {
   return branches;
 }
 
+/// Does the joint, or what follows it before the next fork, have a degree of freedom?
+bool has_freedom(const Skeleton &skeleton, const std::vector<std::vector<int>> &branches, int joint) {
+  while (skeleton.joints[joint].dof_count == 0 && branches[joint].size() == 1)
+    joint = branches[joint][0];
+  return skeleton.joints[joint].dof_count > 0;
+}
+
 /// (J) the limb each joint belongs to, -1 for the root and what moves rigidly with it.
 std::vector<int> limb_of_joint(const Skeleton &skeleton, const std::vector<Limb> &limbs) {
   std::vector<int> limb(skeleton.joint_count(), -1);
@@ -338,7 +345,9 @@ std::vector<Limb> find_limbs(const Skeleton &skeleton) {
       continue;
     const std::vector<int> &beside = branches[joint.parent];
     const bool moves = std::find(beside.begin(), beside.end(), j) != beside.end();
-    const bool begins = moves && (beside.size() > 1 || skeleton.joints[joint.parent].parent < 0);
+    // A fixed joint that forks (a pelvis below a root) has nothing to search: it goes with what is before it.
+    const bool begins =
+        moves && has_freedom(skeleton, branches, j) && (beside.size() > 1 || skeleton.joints[joint.parent].parent < 0);
     if (begins) {
       limb[j] = static_cast<int>(limbs.size());
       limbs.push_back({joint.name, {}, {}});
