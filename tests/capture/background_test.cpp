@@ -333,9 +333,35 @@ TEST(ReadyMasks, StayWhereTheImageTellsNothing) {
 
 TEST(ReadyMasks, AreTakenAsTheyAreOnRequest) {
   ReadyMasks frames(true);
-  EXPECT_EQ(frames.extractor(0), nullptr);
+  EXPECT_EQ(read_view(frames, 0, 4, frames.extractor(0).get()).mask.data, frames.mask(0, 4).data);
   EXPECT_EQ(read_view(frames, 0, 4, nullptr).mask.data, frames.mask(0, 4).data);
   EXPECT_EQ(read_view(frames, 0, 4, SilhouetteExtractor::create().get()).mask.data, frames.mask(0, 4).data);
+}
+
+/// The same camera, whose mask is missing at a frame, beside one that has none at all.
+class MasksWithAGap : public ReadyMasks {
+public:
+  MasksWithAGap() : ReadyMasks(true) {}
+  int camera_count() const override { return 2; }
+  Image mask(int camera, int frame) override { return camera == 0 && frame != 4 ? ReadyMasks::mask(0, frame) : Image(); }
+};
+
+TEST(ReadyMasks, WhereOneIsMissingTheCameraDropsOut) {
+  MasksWithAGap frames;
+  Session session;
+  session.cameras.resize(2);
+  session.cameras[0].video = session.cameras[1].video = "images";
+  session.cameras[0].masks = "masks";
+  SilhouetteOptions options;
+  options.method = SilhouetteMethod::Median;
+  const auto extractor = session_silhouettes(session, frames, options, {});
+  EXPECT_EQ(read_view(frames, 0, 3, extractor.get()).mask.data, frames.mask(0, 3).data);
+  EXPECT_TRUE(read_view(frames, 0, 4, extractor.get()).mask.empty());
+  EXPECT_FALSE(read_view(frames, 1, 4, extractor.get()).mask.empty());
+  session.cameras.pop_back(); // nor is there a method that would have to be trained
+  const auto untrained = session_silhouettes(session, frames, {}, {});
+  ASSERT_NE(untrained, nullptr);
+  EXPECT_TRUE(read_view(frames, 0, 4, untrained.get()).mask.empty());
 }
 
 TEST(ReadyMasks, ThatDoNotFitTheImageAreRefused) {

@@ -18,11 +18,12 @@ class SessionSilhouettes : public SilhouetteExtractor {
 public:
   void add(int camera, std::shared_ptr<SilhouetteExtractor> extractor) { extractors_[camera] = std::move(extractor); }
   void add(int camera, detail::OutlineRefiner refiner) { refiners_.emplace(camera, std::move(refiner)); }
+  void has_masks(int camera) { ready_.insert(camera); }
   void train(int camera, const std::vector<Image> &images) override { of(camera).train(camera, images); }
   void learn_actor(int camera, const std::vector<Image> &images) override { of(camera).learn_actor(camera, images); }
   /// Nothing where a ready mask is missing: the camera drops out there.
   Image extract(int camera, const Image &image) const override {
-    return refiners_.count(camera) > 0 ? Image() : of(camera).extract(camera, image);
+    return ready_.count(camera) > 0 ? Image() : of(camera).extract(camera, image);
   }
   Image refine(int camera, const Image &image, const Image &mask) const override {
     const auto found = refiners_.find(camera);
@@ -38,6 +39,7 @@ private:
   }
   std::map<int, std::shared_ptr<SilhouetteExtractor>> extractors_;
   std::map<int, detail::OutlineRefiner> refiners_;
+  std::set<int> ready_; // cameras with masks of their own, refined or not
 };
 
 std::set<int> spread_frames(const FrameSource &frames, int count) {
@@ -146,9 +148,13 @@ std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session,
   Trainer trainer(session, frames, options);
   std::map<std::string, std::string> cameras; // by method
   const int count = static_cast<int>(session.cameras.size());
+  bool needed = false; // with images beside ready masks, too: one of them may be missing
   for (int c = 0; c < count; ++c) {
     context.report_progress("silhouettes", double(c) / count);
     const SessionCamera &camera = session.cameras[c];
+    if (!camera.masks.empty())
+      all->has_masks(c);
+    needed = needed || camera.masks.empty() || !camera.video.empty();
     if (camera.masks.empty() || (!camera.video.empty() && options.mask_error > 0)) {
       std::string &names = cameras[trainer.train(c, *all)];
       names += (names.empty() ? "" : ", ") + camera.name;
@@ -156,7 +162,7 @@ std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session,
   }
   for (const auto &[method, names] : cameras)
     context.log_line("silhouettes: " + names + ": " + method);
-  return cameras.empty() ? nullptr : std::move(all);
+  return needed ? std::move(all) : nullptr;
 }
 
 CameraView read_view(FrameSource &frames, int camera, int frame, const SilhouetteExtractor *extractor) {

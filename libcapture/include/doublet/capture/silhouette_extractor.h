@@ -112,8 +112,8 @@ struct SilhouetteOptions {
 };
 
 /// A trained extractor for the cameras of a session that have no ready masks, and with mask_error above 0 for those that have
-/// images with them, whose outlines it refines; null if no camera needs one. Says for every camera which method it uses. Throws
-/// Error if the method asked for does not fit the session.
+/// images with them, whose outlines it refines; where one of these masks is missing, it finds nothing. Null if there are masks
+/// alone. Says for every camera which method it uses. Throws Error if the method asked for does not fit the session.
 std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
                                                          const SilhouetteOptions &options, const Context &context);
 
