@@ -229,6 +229,12 @@ TEST_F(ThreeCameras, PlatesAreFoundByFolderAndPattern) {
   EXPECT_TRUE(read_session(folder.path()).cameras[1].background.empty()); // a description is no file
   describe("", R"("background": "plates/{camera}.png")");
   EXPECT_THROW(read_session(folder.path()), FileNotFound);
+  describe("", R"("background": "PLATES.JPG")"); // no description, either
+  EXPECT_THROW(read_session(folder.path()), FileNotFound);
+  describe("", R"("background": "{camera}/{camera}_clean.ppm")");
+  for (const std::string &name : std::vector<std::string>{"cam0", "cam1", "cam2"})
+    write_ppm(folder / name / (name + "_clean.ppm"), room(false, 77));
+  EXPECT_EQ(read_session(folder.path()).cameras[1].background, folder / "cam1/cam1_clean.ppm");
   describe(R"(, "background": "nowhere.png")");
   EXPECT_THROW(read_session(folder.path()), FileNotFound);
   write_ppm(folder / "small.ppm", Image(10, 10, 3));

@@ -7,6 +7,7 @@
 #include "frame_reader.h"
 #include "keypoint_file.h"
 
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -92,7 +93,9 @@ fs::path masks_by_name(const fs::path &folder, const std::string &camera) {
 }
 
 bool ends_as_image(const std::string &name) {
-  const std::string end = fs::path(name).extension().string();
+  std::string end = fs::path(name).extension().string();
+  for (char &c : end)
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return end == ".png" || end == ".jpg" || end == ".jpeg" || end == ".bmp" || end == ".tif" || end == ".tiff";
 }
 
@@ -100,7 +103,7 @@ bool ends_as_image(const std::string &name) {
 /// text there describes the stage.
 fs::path read_background(const Json &json, const Json &camera, const std::string &name, const fs::path &folder,
                          const fs::path &source) {
-  const std::string what = "clean plate of camera '" + name + "'";
+  const std::string what = "clean plate of camera '" + name + "'", key = "{camera}";
   if (camera.contains("background"))
     return existing_frames(
         folder, value<std::string>(camera, "background", source.string() + ": camera '" + name + "'", "a text"), what, source);
@@ -108,11 +111,11 @@ fs::path read_background(const Json &json, const Json &camera, const std::string
   if (text.empty())
     return {};
   if (fs::is_directory(named(folder, text, what, source)))
-    text += "/{camera}.png";
-  else if (!ends_as_image(text))
+    text += "/" + key + ".png";
+  else if (text.find(key) == text.npos && !ends_as_image(text))
     return {};
-  if (const auto at = text.find("{camera}"); at != std::string::npos)
-    text.replace(at, 8, name);
+  for (auto at = text.find(key); at != text.npos; at = text.find(key, at + name.size()))
+    text.replace(at, key.size(), name);
   return existing_frames(folder, text, what, source);
 }
 
