@@ -293,6 +293,9 @@ TEST(SessionCheck, FrameRates) {
   for (SessionCamera &camera : scene.session.cameras)
     camera.video_fps = 0; // no container says one
   scene.nothing_found();
+  scene.session.cameras[0].video_fps = 25;
+  scene.session.cameras[1].video_fps = 30;
+  EXPECT_EQ(scene.impossible(), "videos: expected one frame rate, found cam0 25 and 30 in the others");
 }
 
 TEST(SessionCheck, WithoutAScanRatesAndSilhouettesAreLookedAt) {

@@ -1,5 +1,7 @@
 #include "session_check/checks.h"
 
+#include "doublet/core/parts/quantile.h"
+
 #include <cmath>
 
 namespace doublet::detail {
@@ -53,7 +55,7 @@ Findings check_rates(Evidence &evidence) {
       rates.push_back(camera.video_fps);
   if (rates.empty())
     return {};
-  const double usual = middle_of(rates), fps = evidence.session.fps;
+  const double usual = median(rates), fps = evidence.session.fps; // of two cameras one's: between them lies that of none
   const auto differs = [&](double rate) { return std::abs(rate - usual) > kSameRate * usual; };
   std::vector<std::string> others;
   for (const SessionCamera &camera : evidence.session.cameras)
