@@ -290,6 +290,15 @@ TEST(ScanFromViews, SaysWhatIsWrong) {
   CameraRig moved = rig;
   moved[3].t += Eigen::Vector3d(0.9, 0, 0);
   EXPECT_NE(refused(views, moved).find("without camera 'cam3' they have"), std::string::npos) << refused(views, moved);
+  CameraRig turned = rig; // the same camera looks away
+  turned[3].R = Eigen::Vector3d(-1, 1, -1).asDiagonal() * rig[3].R;
+  turned[3].t = Eigen::Vector3d(-1, 1, -1).asDiagonal() * rig[3].t;
+  try {
+    scan_from_views(turned, views, drum, hull_only()); // around a body, too
+    ADD_FAILURE();
+  } catch (const Error &error) {
+    EXPECT_NE(std::string(error.what()).find("without camera 'cam3' they have"), std::string::npos) << error.what();
+  }
   EXPECT_THROW(
       {
         Context context;

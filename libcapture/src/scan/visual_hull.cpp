@@ -167,6 +167,8 @@ std::vector<Contact> missed_by(const Vertices &points, const Hull &hull, const S
   constexpr double kNarrow = 0.03; // m
   const Camera &camera = *silhouette.camera;
   const double pixel = camera.depth(cube.corner.array() + cube.side / 2) / silhouette.focal; // m
+  if (!(pixel > 0))
+    return {}; // it looks away: a wrong calibration, which blame() finds
   const int step = std::max(1, static_cast<int>(std::lround(cell / pixel)));
   const auto place = [&](int x, int y) -> cv::Point { return silhouette.box.tl() + step * cv::Point(x, y); };
   cv::Mat missed(silhouette.box.height / step + 1, silhouette.box.width / step + 1, CV_8UC1, cv::Scalar(0));
