@@ -395,6 +395,21 @@ TEST_F(CalibrationFiles, OursIsWrittenAndRead) {
   }
 }
 
+TEST_F(CalibrationFiles, AMarkOfTheByteOrderAndAQuestionMarkInThePath) {
+  write_text(folder / "Calib.toml", toml(ring(kZUp, kFive)));
+  const auto read = read_calibration(folder / "Calib.toml");
+  write_calibration(folder / "calibration.yml", read);
+  const std::string text = read_text(folder / "calibration.yml");
+  fs::create_directory(folder / "take 3?");
+  write_text(folder / "take 3?" / "calibration.yml", text);
+  write_text(folder / "calibration.yml", "\xEF\xBB\xBF" + text);
+  for (const fs::path &path : {folder / "calibration.yml", folder / "take 3?" / "calibration.yml"}) {
+    const auto again = read_calibration(path);
+    ASSERT_EQ(again.size(), read.size());
+    EXPECT_EQ(again[0].camera.K, read[0].camera.K);
+  }
+}
+
 // --- units, axes, names
 
 TEST_F(CalibrationFiles, UnitsAreAskedFor) {

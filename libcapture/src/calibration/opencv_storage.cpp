@@ -79,12 +79,16 @@ cv::FileStorage open_storage(const std::filesystem::path &path) {
   if (!std::filesystem::is_regular_file(path))
     throw FileNotFound(path.string() + ": the calibration does not exist");
   std::string text = read_text(path);
-  if (text.starts_with("\xEF\xBB\xBF")) // which OpenCV leaves aside, too
+  const bool marked = text.starts_with("\xEF\xBB\xBF"); // as editors write it
+  if (marked)
     text.erase(0, 3);
   require_plain(path, text);
   require_one_collection(path, text);
   try {
-    cv::FileStorage storage(path.string(), cv::FileStorage::READ);
+    // OpenCV stumbles over the mark, takes what follows a question mark for parameters, and no name with the end of a line.
+    const bool by_text = marked || path.string().find_first_of("?\n") != std::string::npos;
+    cv::FileStorage storage(by_text ? text : path.string(),
+                            by_text ? cv::FileStorage::READ | cv::FileStorage::MEMORY : static_cast<int>(cv::FileStorage::READ));
     if (storage.isOpened())
       return storage;
   } catch (const cv::Exception &e) {
