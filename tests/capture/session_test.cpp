@@ -164,6 +164,18 @@ TEST_F(SessionFiles, FirstFrame) {
   expect_failure({"session.json", "cam3", "first_frame", "-1"});
 }
 
+TEST_F(SessionFiles, NumbersOfFramesAreWhole) {
+  replace("session.json", "\"name\": \"cam3\"", "\"first_frame\": 2.5, \"name\": \"cam3\"");
+  expect_failure({"session.json", "cam3", "first_frame", "a number of frames", "2.5"});
+  replace("session.json", "\"first_frame\": 2.5", "\"first_frame\": 2.0");
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 4294967346"); // 50, were it cut to 32 bits
+  expect_failure({"session.json", "frame_count", "4294967346"});
+  replace("session.json", "4294967346", "true");
+  expect_failure({"session.json", "frame_count", "true"});
+  replace("session.json", "\"frame_count\": true", "\"frame_count\": 50");
+  EXPECT_EQ(read_session(folder.path()).cameras[3].first_frame, 2);
+}
+
 TEST_F(SessionFiles, TruncatedVideo) {
   // The index stands at the front of these files, so that half a file still opens and states all its frames.
   const fs::path video = folder.path() / "videos/cam7.mp4";

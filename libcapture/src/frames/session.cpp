@@ -9,6 +9,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -44,6 +45,14 @@ template <class T> T value(const Json &object, const std::string &key, const std
   } catch (const nlohmann::json::exception &) {
     throw Error(where + ": expected \"" + key + "\" to be " + kind + ", found " + object.at(key).dump().substr(0, 60));
   }
+}
+
+/// A whole number that an int can hold: the parser would make one of any number, and of true.
+int whole_number(const Json &object, const std::string &key, const std::string &where, const std::string &kind) {
+  const double number = value<double>(object, key, where, kind);
+  if (number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max())
+    throw Error(where + ": expected \"" + key + "\" to be " + kind + ", found " + object.at(key).dump().substr(0, 60));
+  return static_cast<int>(number);
 }
 
 std::string text_or(const Json &object, const std::string &key, const std::string &where) {
@@ -132,7 +141,7 @@ SessionCamera read_camera(const Json &object, const fs::path &folder, const fs::
   if (camera.video.empty() && camera.masks.empty())
     camera.masks = masks_by_name(folder, camera.name);
   if (object.contains("first_frame"))
-    camera.first_frame = value<int>(object, "first_frame", where, "a number of frames");
+    camera.first_frame = whole_number(object, "first_frame", where, "a number of frames");
   if (camera.first_frame < 0 || camera.first_frame > kMostFrames)
     throw Error(where + ": expected \"first_frame\" to be in [0, " + std::to_string(kMostFrames) + "], found " +
                 std::to_string(camera.first_frame));
@@ -178,7 +187,7 @@ JointAnnotation read_joint(const std::string &name, const Json &object, const fs
   if (object.contains("parent") && !object.at("parent").is_null())
     mark.parent = value<std::string>(object, "parent", where, "the name of a joint, or null for the root");
   if (object.contains("dof") && !object.at("dof").is_null())
-    mark.dof = value<int>(object, "dof", where, "0, 1, 2, 3 or 6");
+    mark.dof = whole_number(object, "dof", where, "0, 1, 2, 3 or 6");
   return mark;
 }
 
@@ -264,7 +273,7 @@ Session read_session(const fs::path &folder) {
   const std::string where = source.string();
   session.name = value<std::string>(json, "name", where, "a text");
   session.fps = value<double>(json, "fps", where, "frames per second");
-  session.frame_count = value<int>(json, "frame_count", where, "a number of frames");
+  session.frame_count = whole_number(json, "frame_count", where, "a number of frames");
   if (!(session.fps > 0) || !std::isfinite(session.fps))
     throw Error(where + ": expected \"fps\" to be positive, found " + options::to_text(session.fps));
   if (session.frame_count < 1 || session.frame_count > kMostFrames)
