@@ -67,7 +67,8 @@ Mesh without_specks(const Mesh &mesh) {
   Eigen::VectorXd of_piece = Eigen::VectorXd::Zero(count);
   for (Eigen::Index f = 0; f < areas.size(); ++f)
     of_piece[piece[mesh.faces(f, 0)]] += areas[f];
-  return faces_where(mesh, [&](int f) { return of_piece[piece[mesh.faces(f, 0)]] > kSpeck * of_piece.sum(); });
+  const double smallest = kSpeck * of_piece.sum(); // noise may be a hundred thousand pieces: not for every face
+  return faces_where(mesh, [&](int f) { return of_piece[piece[mesh.faces(f, 0)]] > smallest; });
 }
 
 struct Standing {
