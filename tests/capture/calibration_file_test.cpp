@@ -5,6 +5,7 @@
 #include "doublet/core/error.h"
 #include "doublet/core/parts/alignment.h"
 #include "doublet/files/files.h"
+#include "doublet/files/npz.h"
 #include "support/temp_folder.h"
 
 #include <cstring>
@@ -686,6 +687,23 @@ Lens make_lens(const Terms &terms, bool fisheye) {
 TEST_F(FilmedThroughALens, FramesAreThoseOfAPinholeCamera) {
   expect_undone(make_lens(kFisheye, true));
   expect_undone(make_lens({-0.32, 0.09, 1e-3, -2e-3, 0.01, 0.05, -0.02, 0.004}, false));
+}
+
+TEST_F(FilmedThroughALens, KeypointsFarOutAreWhereThePinholeSeesThem) {
+  const Lens wide = make_lens({0.147, 0, 0, 0, 0, 0.461, 0, 0}, false);
+  Session session = session_with(wide);
+  const Eigen::Vector3d point(1.3, 0.4, 1);
+  const Eigen::Vector2d seen = CalibratedCamera{session.rig[0], wide}.project(point);
+  std::vector<double> values;
+  for (int k = 0; k < kKeypoints; ++k)
+    values.insert(values.end(), {seen.x(), seen.y(), 1});
+  Npz file;
+  file.set_f8("cam0", {1, kKeypoints, 3}, values);
+  file.write(folder / "keypoints.npz");
+  session.cameras[0].name = "cam0";
+  session.keypoints = folder / "keypoints.npz";
+  const Eigen::Vector2d pixel = FrameSource::open(session)->keypoints(0, 0).at(3).pixel;
+  EXPECT_LT((pixel - session.rig[0].project(point)).norm(), 0.01);
 }
 
 TEST_F(FilmedThroughALens, WithoutALensTheyAreAsFilmed) {

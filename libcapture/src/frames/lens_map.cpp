@@ -30,8 +30,8 @@ Eigen::Vector2d LensMap::pixel(const Eigen::Vector2d &filmed) const {
   std::vector<cv::Point2d> undone;
   if (lens_.fisheye)
     cv::fisheye::undistortPoints(seen, undone, K_, terms, cv::noArray(), K_);
-  else
-    cv::undistortPoints(seen, undone, K_, terms, cv::noArray(), K_);
+  else // five steps, as by default, leave pixels where a lens bends much
+    cv::undistortPoints(seen, undone, K_, terms, cv::noArray(), K_, cv::TermCriteria(cv::TermCriteria::COUNT, 100, 0));
   return {undone[0].x, undone[0].y};
 }
 
