@@ -172,6 +172,9 @@ State initial_state(const BodyModel &model, const std::vector<NamedPoint> &point
   State state;
   state.coefficients = Eigen::VectorXd::Zero(model.component_count());
   const Vertices vertices = model.vertices(state.coefficients), joints = model.joints(state.coefficients).points;
+  if (const std::size_t names = model.joint_names().size(); static_cast<std::size_t>(joints.rows()) != names)
+    throw std::invalid_argument("body fit: expected joints() of the body model to have a point for each of its " +
+                                std::to_string(names) + " joint_names(), found " + std::to_string(joints.rows()));
   Eigen::Matrix3Xd from(3, points.size()), to(3, points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     from.col(i) = (points[i].joint ? joints : vertices).row(points[i].index).transpose();

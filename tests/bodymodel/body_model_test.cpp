@@ -452,6 +452,22 @@ TEST(BodyFit, RejectsWhatCannotBeFitted) {
   for (Joint &joint : point.actor.skeleton.joints)
     joint.rest.setZero();
   EXPECT_THROW(fitter->fit(point.actor, point.segmentation, model, point.landmarks, {}), Error);
+  class Jointless : public BodyModel { // has names of joints alone
+  public:
+    int vertex_count() const override { return model_.vertex_count(); }
+    int component_count() const override { return model_.component_count(); }
+    const Faces &faces() const override { return model_.faces(); }
+    Vertices vertices(const Eigen::VectorXd &c) const override { return model_.vertices(c); }
+    Vertices component(int k) const override { return model_.component(k); }
+    const std::map<std::string, int> &landmarks() const override { return model_.landmarks(); }
+    std::string name() const override { return "jointless"; }
+    std::vector<std::string> joint_names() const override { return model_.joint_names(); }
+
+  private:
+    const BodyModel &model_ = *trained().model;
+  };
+  const Subject whole = make_subject();
+  EXPECT_THROW(fitter->fit(whole.actor, whole.segmentation, Jointless(), whole.landmarks, {}), std::invalid_argument);
   BodyFitOptions options;
   options.iterations = 0;
   EXPECT_THROW(BodyFitter::create(options), std::invalid_argument);
