@@ -158,7 +158,7 @@ SkinnedBodyData read_smpl_data(const std::filesystem::path &path) {
   file.require_shape("weights", {v, j});
   data.weights = file.matrix("weights").cwiseMax(0.0);
   const Eigen::VectorXd sums = data.weights.rowwise().sum();
-  if (!(sums.minCoeff() > 0.5))
+  if (!data.weights.allFinite() || !(sums.minCoeff() > 0.5)) // NaN is no least value
     file.reject("array 'weights': a row is not a set of weights");
   data.weights.array().colwise() /= sums.array();
   if (!data.mean.allFinite() || !data.shape.allFinite() || !data.joint_shape.allFinite() || !data.joint_mean.allFinite())

@@ -166,6 +166,10 @@ TEST(SmplFile, NamesWhatIsWrong) {
   broken = good;
   broken.set_f8("weights", {2, 2}, {1, 0, 0, 1});
   EXPECT_NE(message(broken).find("'weights'"), std::string::npos);
+  std::vector<double> weights = good.values("weights");
+  weights[weights.size() / 2] = std::nan("");
+  broken.set_f8("weights", good.shape("weights"), weights);
+  EXPECT_NE(message(broken).find("'weights'"), std::string::npos);
   broken = good;
   broken.set_text("joint_names", {"pelvis"});
   EXPECT_NE(message(broken).find("joint_names"), std::string::npos);
