@@ -633,6 +633,12 @@ TEST_F(CalibrationFiles, WhatCannotBeWritten) {
   EXPECT_THROW(write([](CalibratedCamera &c) { c.lens.distortion.conservativeResize(7); }), std::invalid_argument);
   EXPECT_THROW(write([](CalibratedCamera &c) { c.camera.distortion[0] = 0.1; }), Error);
   EXPECT_THROW(write([](CalibratedCamera &c) { c.camera.K(0, 1) = 2; }), Error);
+  EXPECT_THROW(write([](CalibratedCamera &c) { c.late = 100'001; }), Error); // it would not be read again
+  write([](CalibratedCamera &c) { c.late = 5; });
+  std::string text = read_text(folder / "calibration.yml");
+  text.replace(text.find("_late: 5") + 7, 1, "-2147483648"); // which has no absolute value
+  write_text(folder / "calibration.yml", text);
+  EXPECT_THROW(read_calibration(folder / "calibration.yml"), Error);
 }
 
 // --- a session undoes the lens

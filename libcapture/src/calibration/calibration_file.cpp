@@ -364,6 +364,9 @@ void validate_calibrated(const CalibratedCamera &camera, const std::string &sour
                 options::to_text(camera.camera.K(0, 1), 4));
   if (camera.lens.needs_undistortion() && camera.camera.distorted())
     throw Error(where + ": expected the distortion in the lens or in the camera, found both");
+  if (camera.late < -kMostLate || camera.late > kMostLate)
+    throw Error(where + ": expected it to be late by at most " + std::to_string(kMostLate) + " frames, found " +
+                std::to_string(camera.late));
 }
 
 } // namespace detail

@@ -10,6 +10,7 @@
 namespace doublet::detail {
 
 constexpr std::size_t kMostCameras = 1000; ///< of a file: every one is looked for by its keys
+constexpr int kMostLate = 100'000;         ///< frames, either way
 
 struct ImageSize {
   int width = 0, height = 0;

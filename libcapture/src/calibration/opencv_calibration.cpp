@@ -63,11 +63,10 @@ bool fisheye_lens(const cv::FileStorage &storage, const std::string &key, const 
 }
 
 int frames_late(const cv::FileStorage &storage, const std::string &key, const std::string &where) {
-  constexpr int kMost = 100'000;
   const cv::FileNode late = storage[key];
   if (late.empty())
     return 0;
-  if (!late.isInt() || std::abs(static_cast<int>(late)) > kMost)
+  if (!late.isInt() || std::abs(static_cast<double>(late)) > kMostLate)
     throw Error(where + ": expected " + key + ", if it is there, to be a number of frames, found another value");
   return static_cast<int>(late);
 }
