@@ -60,8 +60,8 @@ Population read_population(const Npz &file) {
     throw Error(file.source + ": array 'vertex_scale': expected one number > 0");
   p.scale = scale[0];
   file.require_shape("faces", {-1, 3});
-  if (p.joints > 256)
-    throw Error(file.source + ": array 'joint_names': expected at most 256 joints, found " + std::to_string(p.joints));
+  if (p.joints < 2 || p.joints > 256) // with a root alone there are no poses to learn
+    throw Error(file.source + ": array 'joint_names': expected 2 to 256 joints, found " + std::to_string(p.joints));
   file.require_shape("vertex_offset", {3});
   const auto offset = file.values("vertex_offset");
   p.offset << offset[0], offset[1], offset[2];

@@ -164,6 +164,16 @@ TEST(TrainBodyModel, RejectsBrokenPopulations) {
   broken.set_i4("mesh_individual", {6}, {0, 0, 1, 1, 2, 7});
   broken.write(t.folder.path() / "broken.npz");
   EXPECT_THROW(train_body_model(t.folder.path() / "broken.npz", out), Error);
+  const std::int64_t vertices = good.shape("vertices_q")[1];
+  Npz root = good; // alone
+  root.set_text("joint_names", {"pelvis"});
+  root.set_i4("joint_parents", {1}, {-1});
+  root.set_f8("skin_weights", {vertices, 1}, std::vector<double>(static_cast<std::size_t>(vertices), 1));
+  root.set_f8("ind_rest_joints", {3, 1, 3}, std::vector<double>(9, 0));
+  for (const char *name : {"joints", "joint_rotvec"})
+    root.set_f8(name, {6, 1, 3}, std::vector<double>(18, 0));
+  root.write(t.folder.path() / "broken.npz");
+  EXPECT_THROW(train_body_model(t.folder.path() / "broken.npz", out), Error);
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
