@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace doublet {
 namespace {
@@ -72,8 +73,12 @@ constexpr int kLimbs = 5, kMoreEnds = 3; // head, hands, feet; and corners of a 
 std::vector<Eigen::Vector3d> ends_of(const Mesh &surface) {
   const auto neighbours = vertex_neighbours(surface.faces, static_cast<int>(surface.vertices.rows()));
   const Eigen::RowVector3d middle = surface.vertices.colwise().mean();
+  Eigen::VectorXd off = (surface.vertices.rowwise() - middle).rowwise().squaredNorm();
+  for (Eigen::Index v = 0; v < off.size(); ++v)
+    if (neighbours[static_cast<std::size_t>(v)].empty()) // from a vertex on no face no way leads anywhere
+      off[v] = std::numeric_limits<double>::infinity();
   Eigen::Index nearest = 0;
-  (surface.vertices.rowwise() - middle).rowwise().squaredNorm().minCoeff(&nearest);
+  off.minCoeff(&nearest);
   std::vector<int> sources{static_cast<int>(nearest)};
   std::vector<Eigen::Vector3d> ends;
   while (ends.size() < kLimbs + kMoreEnds) {

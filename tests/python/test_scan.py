@@ -119,8 +119,10 @@ def test_a_corner_of_a_garment_is_no_hand(model):
 
 def test_no_person_no_joints(model):
     ball = d.capsule_mesh([0, 0.5, 0], [0, 1.5, 0], 0.3, 0.3)
-    with pytest.raises(d.Error, match="body marks: expected a person, upright"):
-        d.detect_joints(ball, [], model)
+    loose = d.Mesh(np.vstack([ball.vertices, [[0, 1, 0]]]), ball.faces)  # a vertex on no face, in the middle
+    for surface in (ball, loose):
+        with pytest.raises(d.Error, match="body marks: expected a person, upright"):
+            d.detect_joints(surface, [], model)
     with pytest.raises(ValueError, match="face_valid: expected"):
         d.detect_joints(ball, [1, 0], model)
     hole = d.Mesh(np.where(np.arange(len(ball.vertices))[:, None] == 7, np.nan, ball.vertices), ball.faces)
