@@ -321,6 +321,10 @@ TEST(SessionCheck, FramesOfOtherCamerasAreRefused) {
   Scene scene;
   scene.film.cameras = 5;
   EXPECT_THROW(scene.check(), std::invalid_argument);
+  scene.session.cameras.clear();
+  scene.session.rig.clear();
+  scene.film.cameras = 0;
+  EXPECT_THROW(scene.check(), std::invalid_argument);
 }
 
 /// Frames in which the person stands as in the scan, half a metre off; in all others bent, with both arms up.

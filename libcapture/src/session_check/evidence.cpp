@@ -107,8 +107,8 @@ std::vector<int> Evidence::seen() const {
 
 Evidence gather_evidence(const Session &session, FrameSource &frames, const SilhouetteExtractor *extractor,
                          const Context &context) {
-  if (session.cameras.size() != session.rig.size() || frames.camera_count() != static_cast<int>(session.rig.size()) ||
-      frames.frame_count() < 1)
+  if (session.rig.empty() || session.cameras.size() != session.rig.size() ||
+      frames.camera_count() != static_cast<int>(session.rig.size()) || frames.frame_count() < 1)
     throw std::invalid_argument("check_session: expected frames of the session's " + std::to_string(session.rig.size()) +
                                 " cameras, found " + std::to_string(frames.frame_count()) + " of " +
                                 std::to_string(frames.camera_count()));
