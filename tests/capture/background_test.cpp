@@ -379,5 +379,16 @@ TEST(ReadyMasks, ThatDoNotFitTheImageAreRefused) {
   EXPECT_THROW(extractor->extract(1, frames.image(0, 1)), std::invalid_argument);
 }
 
+class MasksOfAnotherSize : public ReadyMasks {
+public:
+  MasksOfAnotherSize() : ReadyMasks(true) {}
+  Image mask(int, int) override { return Image(240, 1, 1, 255); }
+};
+
+TEST(ReadyMasks, OfAnotherSizeAreRefusedBeforeTheyAreLearntFrom) {
+  MasksOfAnotherSize frames;
+  EXPECT_THROW(frames.extractor(2.5), Error);
+}
+
 } // namespace background_test
 } // namespace doublet

@@ -106,6 +106,12 @@ private:
       missing += mask.empty();
       if (image.empty() || mask.empty())
         continue;
+      const Image &first = images.empty() ? image : images[0];
+      for (const Image *one : {&image, &mask})
+        if (one->width != first.width || one->height != first.height)
+          throw Error("camera '" + session_.cameras[camera].name + "': expected images and masks of " +
+                      std::to_string(first.width) + " x " + std::to_string(first.height) + " pixels, found " +
+                      std::to_string(one->width) + " x " + std::to_string(one->height) + " at frame " + std::to_string(frame));
       images.push_back(std::move(image));
       masks.push_back(std::move(mask));
     }
