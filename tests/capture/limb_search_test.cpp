@@ -148,6 +148,28 @@ TEST(LimbSearch, FindsALimbSeventyDegreesOff) {
   }
 }
 
+TEST(LimbSearch, WhatIsOfAnotherActorIsRefused) {
+  Scene scene;
+  const auto refuses = [&](const LimbProblem &problem, const std::vector<Limb> &limbs, bool search) {
+    if (search) {
+      EXPECT_THROW(LimbSearch::create()->search(problem, scene.truth, limbs, scene.context), std::invalid_argument);
+    } else {
+      EXPECT_THROW(limb_errors(problem, scene.truth, limbs, {}, scene.context), std::invalid_argument);
+    }
+  };
+  std::vector<Limb> others = scene.limbs;
+  others[0].dofs.back() = scene.actor.skeleton.dof_count();
+  refuses(scene.problem(), others, true);
+  others = scene.limbs;
+  others[0].joints.back() = scene.actor.skeleton.joint_count();
+  refuses(scene.problem(), others, false);
+  LimbProblem problem = scene.problem();
+  problem.predicted.conservativeResize(5);
+  refuses(problem, scene.limbs, true);
+  problem.reliability.conservativeResize(5);
+  refuses(problem, scene.limbs, false);
+}
+
 TEST(LimbSearch, SameBitsForAnyNumberOfThreads) {
   Scene scene;
   Eigen::VectorXd wrong = scene.truth;

@@ -196,6 +196,16 @@ void require_complete(const LimbProblem &problem, const Eigen::VectorXd &dofs) {
                                 " degrees of freedom, got " + std::to_string(dofs.size()));
 }
 
+void require_limbs(const std::vector<Limb> &limbs, const Skeleton &skeleton) {
+  const auto below = [](const std::vector<int> &indices, int count) {
+    return std::all_of(indices.begin(), indices.end(), [&](int i) { return i >= 0 && i < count; });
+  };
+  for (const Limb &limb : limbs)
+    if (!below(limb.joints, skeleton.joint_count()) || !below(limb.dofs, skeleton.dof_count()))
+      throw std::invalid_argument("limb search: expected limbs of the actor's skeleton, found '" + limb.name +
+                                  "' of another one");
+}
+
 /// The part of an actor that some degrees of freedom move, as an actor of its own.
 RiggedMesh moved_part(const RiggedMesh &actor, const std::vector<int> &dofs, std::vector<std::uint8_t> &rest_of_faces,
                       Vertices &offset) {
@@ -317,6 +327,10 @@ public:
                          const Context &context) override {
     require_complete(problem, dofs);
     const Skeleton &skeleton = problem.actor->skeleton;
+    require_limbs(lost, skeleton);
+    if (problem.predicted.size() != dofs.size())
+      throw std::invalid_argument("limb search: expected a prediction of " + std::to_string(dofs.size()) +
+                                  " degrees of freedom, got " + std::to_string(problem.predicted.size()));
     const std::vector<SmallView> views = small_views(*problem.rig, *problem.masks, options_.raster_size);
     Eigen::VectorXd found = dofs;
     for (const Limb &limb : lost) {
@@ -367,6 +381,10 @@ Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &d
                             const LimbSearchOptions &options, const Context &context) {
   require_complete(problem, dofs);
   const RiggedMesh &actor = *problem.actor;
+  require_limbs(limbs, actor.skeleton);
+  if (problem.reliability.size() != actor.mesh.vertices.rows())
+    throw std::invalid_argument("limb_errors: expected a reliability for each of " + std::to_string(actor.mesh.vertices.rows()) +
+                                " vertices, got " + std::to_string(problem.reliability.size()));
   const std::vector<SmallView> views = small_views(*problem.rig, *problem.masks, options.raster_size);
   const Vertices surface = pose_surface(actor, dofs, problem.offset).vertices;
   const Vertices joints = joint_positions(actor.skeleton, forward_kinematics(actor.skeleton, dofs));
