@@ -509,6 +509,21 @@ public:
   }
 };
 
+/// No body, then one.
+class Absent : public BodyFitter {
+public:
+  BodyFit fit(const RiggedMesh &, const Segmentation &, const BodyModel &model, const std::map<std::string, Eigen::Vector3d> &,
+              const Context &) const override {
+    BodyFit fit;
+    if (++calls_ == 2)
+      fit.body.vertices = Vertices::Zero(model.vertex_count(), 3);
+    return fit;
+  }
+
+private:
+  mutable int calls_ = 0;
+};
+
 TEST(BodyFitConformance, OursConformsAndACarelessOneDoesNot) {
   const Subject subject = make_subject();
   const auto violations = [&](const BodyFitter &fitter) {
@@ -518,6 +533,7 @@ TEST(BodyFitConformance, OursConformsAndACarelessOneDoesNot) {
   for (const std::string &broken : violations(*BodyFitter::create()))
     ADD_FAILURE() << broken;
   EXPECT_EQ(violations(Careless()).size(), 6u); // sizes, finite, place, bits, landmarks, another mesh
+  EXPECT_EQ(violations(Absent()).size(), 5u);   // the same, but for what is not finite
   EXPECT_EQ(violations(Beside()), std::vector<std::string>{"the body does not stand where the actor does"});
 }
 

@@ -30,6 +30,26 @@ TEST(Conformance, TheKitCatchesACarelessSegmenter) {
   EXPECT_EQ(testing::cloth_segmenter_violations(Careless()).size(), 6u); // range, regions, swaying, rigid, bits, refusal
 }
 
+/// Ours, but a second answer is of one vertex.
+class Forgetful : public ClothSegmenter {
+public:
+  Segmentation segment(const SegmentInputs &inputs, const Context &context) const override {
+    Segmentation found = ClothSegmenter::create()->segment(inputs, context);
+    if (++calls_ == 2) {
+      found.clothness.conservativeResize(1);
+      found.region.conservativeResize(1);
+    }
+    return found;
+  }
+
+private:
+  mutable int calls_ = 0;
+};
+
+TEST(Conformance, TheKitCatchesASecondAnswerOfAnotherSize) {
+  EXPECT_EQ(testing::cloth_segmenter_violations(Forgetful()), std::vector<std::string>{"a second call gives other bits"});
+}
+
 /// Nothing is cloth.
 class Blind : public ClothSegmenter {
 public:

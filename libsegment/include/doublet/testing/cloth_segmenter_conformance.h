@@ -77,7 +77,8 @@ inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter 
       broken.push_back("what sways is no more cloth than what stands still");
     if (found.clothness[n - 1] != 0)
       broken.push_back("a vertex on no face is not rigid");
-    if (found.clothness != again.clothness || found.region != again.region)
+    if (again.clothness.size() != n || again.region.size() != n || found.clothness != again.clothness ||
+        found.region != again.region)
       broken.push_back("a second call gives other bits");
   } catch (const std::exception &error) {
     broken.push_back(std::string("the segmenter threw: ") + error.what());
