@@ -61,6 +61,22 @@ TEST(CaptureConformance, OurPartsConform) {
   expect_none(testing::silhouette_extractor_violations(*SilhouetteExtractor::create(BackgroundOptions{}), {screen}, actor));
 }
 
+TEST(CaptureConformance, OurPartsRefuseProblemsOfAnotherActor) {
+  const Film film;
+  PoseProblem pose = film.pose;
+  pose.predicted.conservativeResize(3);
+  EXPECT_THROW(PoseOptimizer::create()->optimize(pose, {}), std::invalid_argument);
+  pose = film.pose;
+  pose.reliability.conservativeResize(3);
+  EXPECT_THROW(PoseOptimizer::create()->optimize(pose, {}), std::invalid_argument);
+  pose = film.pose;
+  pose.tracks.push_back({99, {0, Eigen::Vector3d(1, 0, 0)}, Eigen::Vector2d(0, 0)});
+  EXPECT_THROW(PoseOptimizer::create()->optimize(pose, {}), std::invalid_argument);
+  SurfaceProblem surface = film.surface;
+  surface.base.conservativeResize(3, 3);
+  EXPECT_THROW(SurfaceRefiner::create()->refine(surface, {}), std::invalid_argument);
+}
+
 /// Counts its calls, and lets the count show.
 class Restless : public FrameSource,
                  public SilhouetteExtractor,

@@ -80,6 +80,12 @@ private:
     if (!problem.actor || !problem.rig || !problem.outlines || problem.outlines->size() != problem.rig->size())
       throw std::invalid_argument("PoseOptimizer: the problem needs an actor, a rig and one outline a camera");
     actor_ = problem.actor;
+    const int dofs = actor_->skeleton.dof_count();
+    if (problem.start.size() != dofs || problem.predicted.size() != dofs ||
+        problem.reliability.size() != actor_->mesh.vertices.rows())
+      throw std::invalid_argument(
+          "PoseOptimizer: the problem needs a start and a prediction of all degrees of freedom, and a reliability a vertex");
+    detail::require_tracks(problem.tracks, problem.rig->size(), actor_->mesh.faces, "PoseOptimizer");
     if (problem.timing.late.size() > 0 && (problem.timing.late.size() != static_cast<Eigen::Index>(problem.rig->size()) ||
                                            problem.timing.velocity.rows() != problem.actor->mesh.vertices.rows()))
       throw std::invalid_argument("PoseOptimizer: the timing needs a delay a camera and a velocity a vertex");
