@@ -341,6 +341,28 @@ def test_what_is_not_there_is_missing_not_zero(scene):
         e.Truth(scene["out"])
 
 
+def session_of(scene, **description):
+    (scene["out"] / "session.json").write_text(json.dumps(description), encoding="utf-8")
+    return SimpleNamespace(folder=scene["out"], rig=scene["cameras"], fps=40.0, frame_count=FRAMES)
+
+
+def test_the_scan_pose_is_that_of_the_frame_that_was_scanned(scene):
+    """In frame 0 the person is elsewhere."""
+    reconstruct(scene, clothness=is_cloth(scene))
+    fit = d.BodyFit()
+    fit.body, fit.coefficients, fit.model = d.Mesh(*scene["body"]), np.zeros(1), "test"
+    d.write_body(scene["out"] / "body.npz", fit)
+    count = len(scene["body"][0])
+    moved = np.stack([scene["vertices"] + [0.3, 0.4, 0], *[scene["vertices"]] * (FRAMES - 1)])
+    np.savez(scene["truth"] / "frames_0000.npz", start=0, body=moved[:, :count], cloth=moved[:, count:])
+    found = []
+    for described in ({"scan_frame": 2}, {}):  # a scan of which nothing is said is of frame 0
+        metrics = e.evaluate(scene["out"], scene["truth"], session_of(scene, **described), Console(quiet=True))["metrics"]
+        found.append([metrics[name] for name in ("template_invented_found", "cloth_iou", "hidden_body_mm")])
+    assert found[0] == pytest.approx([1, 1, 0], abs=1e-3)  # nothing is invented
+    assert found[1][0] == 0 and found[1][1] < 0.9 and found[1][2] > 10
+
+
 def test_a_truth_without_a_garment_says_so(scene):
     """As that of a character without cloth; what can be measured is."""
     reanimate(scene, clothness=is_cloth(scene))
@@ -350,8 +372,8 @@ def test_a_truth_without_a_garment_says_so(scene):
     np.savez(scene["truth"] / "static.npz", body_tris=scene["body"][1], cloth_tris=np.zeros((0, 3), np.int32))
     body = np.stack([scene["body"][0]] * FRAMES)
     np.savez(scene["truth"] / "frames_0000.npz", start=0, body=body, cloth=np.zeros((FRAMES, 0, 3)))
-    session = SimpleNamespace(rig=scene["cameras"], fps=40.0)
-    result = e.evaluate(scene["out"], scene["truth"], session, Console(quiet=True))
+    result = e.evaluate(scene["out"], scene["truth"], session_of(scene), Console(quiet=True))
+    assert result["missing"]["surface_cloth_mm"] == "no camera sees a true garment"
     without = {name for name, reason in result["missing"].items() if reason == "the truth has no garment"}
     assert without == {"hidden_body_mm", "resim_cloth_cm", "resim_two_sided_cm", "hem_height_cm", "flare_cm"}
     assert result["metrics"]["cloth_iou"] == 0 and result["metrics"]["surface_body_mm"] < 0.01

@@ -11,6 +11,7 @@ from .. import _doublet as d
 from ..common.console import Console
 from ..common.drawing import overlap
 from ..common.images import read_image
+from ..common.scan_frame import scan_frame
 from ..export.animate import animate_exactly
 from .reconstruction import Animated, Reconstruction
 from .truth import Missing, Truth
@@ -55,11 +56,15 @@ def averaged(values: np.ndarray, areas: np.ndarray, what: str) -> float:
     return float(np.average(values, weights=areas))
 
 
-def template_mask(made: Reconstruction, truth: Truth, cameras) -> dict[str, float]:
-    """In the scan pose; samples are centroids of faces, weighted by area."""
-    if 0 not in truth.chunks:
-        raise Missing("the truth does not hold frame 0, the scan pose")
-    vertices, faces, _ = truth.surface(0)
+def require_scan_pose(truth: Truth, scan: int) -> None:
+    if scan not in truth.chunks:
+        raise Missing(f"the truth does not hold frame {scan}, the scan pose")
+
+
+def template_mask(made: Reconstruction, truth: Truth, cameras, scan: int = 0) -> dict[str, float]:
+    """In the scan pose, which is that of frame `scan`; samples are centroids of faces, weighted by area."""
+    require_scan_pose(truth, scan)
+    vertices, faces, _ = truth.surface(scan)
     mesh, valid = made.actor.mesh, np.asarray(made.actor.face_valid, bool)
     area = d.face_areas(mesh.vertices, mesh.faces)
     far = d.distances_to_surface(centroids(mesh.vertices, mesh.faces), d.Mesh(vertices, faces)) > 0.01
@@ -105,8 +110,8 @@ def jitter_ratio(made: Reconstruction, truth: Truth) -> float:
     return jitter(lambda pair: np.asarray(joints[pair[0]])[mine]) / true_jitter
 
 
-def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> dict[str, float | None]:
-    """Samples are the centroids of the true faces that a camera sees, weighted by area; None where there are none."""
+def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> dict[str, float | Missing]:
+    """Samples are the centroids of the true faces that a camera sees, weighted by area."""
     rows = made.rows(truth.chunks, every)
     frames = made.performance.surface.frames
     total, weight = np.zeros(2), np.zeros(2)
@@ -120,8 +125,10 @@ def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context:
             chosen = garment[seen] == bool(label)
             total[label] += (distance * area)[chosen].sum()
             weight[label] += area[chosen].sum()
-    names = ("surface_body_mm", "surface_cloth_mm")
-    return {name: 1000 * sum_ / area if area > 0 else None for name, sum_, area in zip(names, total, weight)}
+    found: dict[str, float | Missing] = {}
+    for name, what, sum_, area in zip(("surface_body_mm", "surface_cloth_mm"), ("body", "garment"), total, weight):
+        found[name] = 1000 * sum_ / area if area > 0 else Missing(f"no camera sees a true {what}")
+    return found
 
 
 def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> float:
@@ -141,12 +148,12 @@ def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, cont
     return float(np.mean(values))
 
 
-def cloth_iou(made: Reconstruction, truth: Truth, cameras) -> float:
-    """Over the template faces seen in the scan pose; the true label is that of the closest true face that a camera sees."""
-    if 0 not in truth.chunks:
-        raise Missing("the truth does not hold frame 0, the scan pose")
+def cloth_iou(made: Reconstruction, truth: Truth, cameras, scan: int = 0) -> float:
+    """Over the template faces seen in the scan pose, which is that of frame `scan`; the true label is that of the closest true
+    face that a camera sees."""
+    require_scan_pose(truth, scan)
     clothness = made.clothness
-    vertices, faces, garment = truth.surface(0)
+    vertices, faces, garment = truth.surface(scan)
     seen = seen_faces(vertices, faces, cameras)
     if not seen.any():
         raise Missing("the truth has no surface that a camera sees")
@@ -160,13 +167,13 @@ def cloth_iou(made: Reconstruction, truth: Truth, cameras) -> float:
     return float(area[cloth & true_cloth].sum() / union) if union > 0 else 1.0
 
 
-def hidden_body_mm(made: Reconstruction, truth: Truth, cameras) -> float:
-    """Under the garment: no camera sees the body face, and the ray along its normal meets the garment first from inside."""
-    if 0 not in truth.chunks:
-        raise Missing("the truth does not hold frame 0, the scan pose")
+def hidden_body_mm(made: Reconstruction, truth: Truth, cameras, scan: int = 0) -> float:
+    """Under the garment: no camera sees the body face, and the ray along its normal meets the garment first from inside. In the
+    scan pose, which is that of frame `scan`."""
+    require_scan_pose(truth, scan)
     fit = d.read_body(made.path("body.npz"))
-    body, cloth = truth.frame(0)[0], truth.garment(0)
-    vertices, faces, garment = truth.surface(0)
+    body, cloth = truth.frame(scan)[0], truth.garment(scan)
+    vertices, faces, garment = truth.surface(scan)
     unseen = ~seen_faces(vertices, faces, cameras)[~garment]
     points, normals = centroids(body, truth.body_faces), d.face_normals(body, truth.body_faces)
     hit, _ = d.RayScene(d.Mesh(cloth, truth.cloth_faces)).cast(points, normals, 1e-6)
@@ -251,12 +258,14 @@ def new_motion(made: Reconstruction, truth: Truth, fps: float, context: d.Contex
 
 def attempt(names, computed: dict) -> tuple[dict[str, float | None], dict[str, str]]:
     """Values, and reasons of the missing ones. A key of `computed` stands for the names that begin with it; its function gives a
-    number or, by name, several. A number that cannot be computed is missing, not 0."""
+    number or, by name, several, each of which may be a Missing. A number that cannot be computed is missing, not 0."""
     values, missing = dict.fromkeys(names), {}
     for start, compute in computed.items():
         try:
             value = compute()
-            values.update(value if isinstance(value, dict) else {start: value})
+            found = value if isinstance(value, dict) else {start: value}
+            missing.update({name: str(one) for name, one in found.items() if isinstance(one, Missing)})
+            values.update({name: one for name, one in found.items() if not isinstance(one, Missing)})
         except Missing as reason:
             missing.update(dict.fromkeys((n for n in names if n.startswith(start)), str(reason)))
     return {k: None if v is None else float(f"{v:.5g}") for k, v in values.items()}, missing
@@ -267,7 +276,7 @@ def evaluate(out: Path, truth_folder: Path, session: d.Session, console: Console
     if every < 1:
         raise ValueError(f"--every must be 1 or more, found {every}")
     made, truth, context = Reconstruction(out), Truth(truth_folder), console.context()
-    cameras = session.rig
+    cameras, scan = session.rig, scan_frame(session)
 
     def resim_cm(two_sided: bool) -> float:
         return cloth_rms_cm(made.reanimated, truth, every, context, "re-animation", two_sided)
@@ -277,13 +286,13 @@ def evaluate(out: Path, truth_folder: Path, session: d.Session, console: Console
         return cloth_rms_cm(moving, novel, every, context, "new motion")
 
     computed = {
-        "template": lambda: template_mask(made, truth, cameras),
+        "template": lambda: template_mask(made, truth, cameras, scan),
         "joint_mm": lambda: joint_mm(made, truth, every),
         "jitter_ratio": lambda: jitter_ratio(made, truth),
         "surface": lambda: surface_mm(made, truth, cameras, every, context),
         "silhouette_iou": lambda: silhouette_iou(made, truth, cameras, every, context),
-        "cloth_iou": lambda: cloth_iou(made, truth, cameras),
-        "hidden_body_mm": lambda: hidden_body_mm(made, truth, cameras),
+        "cloth_iou": lambda: cloth_iou(made, truth, cameras, scan),
+        "hidden_body_mm": lambda: hidden_body_mm(made, truth, cameras, scan),
         "resim_cloth_cm": lambda: resim_cm(two_sided=False),
         "resim_two_sided_cm": lambda: resim_cm(two_sided=True),
         "hem_height_cm": lambda: outline_rms_cm(made.reanimated, truth, every, lowest),
