@@ -8,7 +8,7 @@ energy known, how far the answers spread in units of the interval that they stat
 of eight simulations that differ by chaos alone.
 
 The second films the character of OUT in that many materials, so that the truth is known: the six of the paper's Table 1, ten from
-the corners and edges of the box, the others anywhere in it (of cloth: k_stretch above 0.99); and prints in how many of them the
+the corners and edges of the box, the others anywhere in it (of cloth: k_stretch above 0.988); and prints in how many of them the
 truth lies inside the 90 % interval, parameter by parameter, beside the same table. `--frames`, `--cameras`: of the films.
 Results are kept in DIR; a run that was stopped goes on.
 """

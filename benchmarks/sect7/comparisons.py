@@ -89,9 +89,10 @@ def novel_surfaces(out: Path, motion_file: Path, fps: float, samples: dict, cont
     """(name, (T, V, 3)) of every material on a new motion, and of skinning without any cloth."""
     character = d.Character.read(out / "character.glb")
     motion = exact_motion(character, motion_file, fps, context)
+    animating = d.AnimateOptions(high=False, body=False, edge_collision=False)  # as animate_exactly()
     for name, materials in samples.items():
         character.materials = materials
-        yield name, d.animate(character, motion, d.AnimateOptions(high=False, body=False), context).surface
+        yield name, d.animate(character, motion, animating, context).surface
     yield "skinned, no cloth", [d.pose_surface(character.actor, dofs) for dofs in motion.dofs]
 
 

@@ -19,6 +19,7 @@ from reconstructions import plain_job
 
 MARKS = 1500  # points on the surface that perfect observations follow
 SAME_SURFACE = 0.005  # m: a mark this close to what the camera sees is seen
+AS_FITTED = {"edge_collision": False, "resolve_arm_penetration": False}  # what animations have and estimations do not
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,7 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
     # By images alone: the surface was captured of another material.
     options = {**base["options"], "energy.settle_frames": settle, "energy.delta": 0.0}
     request = {"of": base, "character": d.hash_files(out / "character.glb"), "truth": truth.to_dict(), "filming": asdict(how)}
+    request["animated"] = AS_FITTED
     folder = work / f"filmed-{hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()[:12]}"
     if (folder / "filming.json").exists():
         return folder, options
@@ -147,13 +149,14 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
     motion = d.Motion(motion.fps, motion.dofs[:frames])
     rig, console = chosen_cameras(session, how.cameras), Console()
     folder.mkdir(parents=True, exist_ok=True)
-    for name in ("actor.npz", "segmentation.npz", "proxies.json", "garment.npz"):
+    for name in ("actor.npz", "segmentation.npz", "proxies.json", "garment.npz", "material.json"):  # the last has the width
         shutil.copy(out / name, folder / name)
     performance = known_motion(made, frames)
     d.write_performance(folder / "performance.npz", performance)
     if how.perfect:
         views = PerfectViews(character, rig)
-        d.animate_each(character, motion, views.add, d.AnimateOptions(high=views.shown.has_high), console.context())
+        animating = d.AnimateOptions(high=views.shown.has_high, **AS_FITTED)
+        d.animate_each(character, motion, views.add, animating, console.context())
         observations = views.observations()
     else:
         video = folder / "session"

@@ -13,6 +13,7 @@ import pytest
 from doublet.common.console import Console
 from doublet.evaluation import study
 from doublet.evaluation.synthesize import SynthesisOptions, synthesize
+from doublet.export import animate
 
 FOLDER = Path(__file__).parents[2] / "benchmarks" / "sect7"
 STEPS = {"cloth.iterations": 12, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}
@@ -38,7 +39,7 @@ def out(bell, shapes, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def dressed(bell, shapes, tmp_path_factory):
-    """The same in a garment with a mesh of its own."""
+    """The same in a garment with a mesh of its own, of which the widest is estimated."""
     return reconstruction(bell, shapes, tmp_path_factory.mktemp("sect7") / "dressed", remesh=True)
 
 
@@ -54,8 +55,12 @@ def reconstruction(bell, shapes, folder, remesh=False):
     options = d.GarmentOptions(remesh=remesh, vertices=150)
     garment = d.mesh_garment(bare, clothness, d.Mesh(), captured.surface, options)
     garment.clothness = np.where(garment.mesh.vertices[:, 1] < 0.9, 1.0, garment.clothness)  # the bell is open below
+    if remesh:
+        garment.widths = [garment.rest * [share, 1, share] for share in (1.1, 1.0, 0.9)]
     d.write_garment(folder / "garment.npz", garment)
-    dressed = d.dress(bare, clothness, d.read_garment(folder / "garment.npz", bare))
+    width = {"width": 0} if remesh else {}
+    worn = d.choose_widths(d.read_garment(folder / "garment.npz", bare), list(map(float, width.values())))
+    dressed = d.dress(bare, clothness, worn)
     own = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
     solver = d.SolverSettings(1 / FPS, d.ClothOptions(**{**d.ClothOptions.paper().to_dict(), "iterations": 12}))
     character = d.make_character(dressed.actor, dressed.segmentation, d.BodyFit(), [], [own], solver)
@@ -69,7 +74,7 @@ def reconstruction(bell, shapes, folder, remesh=False):
     synthesize(character, motion, folder / "session", SynthesisOptions(), rig, console=Console(quiet=True))
     record = {"session": str(folder / "session"), "stages": {"fit": {"state": "running", "options": STEPS, "inputs": {}}}}
     (folder / "run.json").write_text(json.dumps(record))
-    (folder / "material.json").write_text(json.dumps({"regions": [{"parameters": own.to_dict()}]}))
+    (folder / "material.json").write_text(json.dumps({"regions": [{"parameters": own.to_dict(), **width}]}))
     return folder
 
 
@@ -79,11 +84,13 @@ def films(**more):
     return Filming(perfect=True, frames=16, **more)
 
 
-def test_a_filmed_character_is_simulated_again_to_the_same_surface(either, tmp_path):
+def test_a_filmed_character_is_simulated_again_to_the_same_surface(either, tmp_path, monkeypatch):
     """The error of the truth itself is none, whether it was seen perfectly or in images; a wrong one has some."""
-    from filmed import Filming, filmed
+    from filmed import Filming, PerfectViews, filmed
     from reconstructions import energies, energy_job, material, rms_cm, simulate
 
+    played, add = [], PerfectViews.add
+    monkeypatch.setattr(PerfectViews, "add", lambda views, frame: (played.append(np.array(frame.surface)), add(views, frame)))
     truth, wrong = material([4, 4.9, 0.7, 1, 0.5]), material([20, 20, 0.1, 0.9, 0.5])
     for how in (films(), Filming(frames=8, noise=2.0)):
         folder, options = filmed(either, None, truth, how, tmp_path)
@@ -98,6 +105,7 @@ def test_a_filmed_character_is_simulated_again_to_the_same_surface(either, tmp_p
         if how.perfect:
             seen = d.read_observations(folder / "observations.npz").views
             assert np.mean([len(view.matches) for views in seen[1:] for view in views]) > 200
+            assert np.abs(np.array(played) - again).max() < 1e-4
         else:
             with np.load(folder / "session" / "ground_truth" / "frames_0000.npz") as truth_of_film:
                 assert np.abs(truth_of_film["surface"] - again).max() < 1e-4
@@ -146,14 +154,15 @@ def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch, cap
 
     swing = np.zeros((12, 6))
     swing[:, 0] = 0.02 * np.arange(12) ** 1.5
-    monkeypatch.setattr(comparisons, "exact_motion", lambda *_: d.Motion(FPS, swing))  # clips are read for humans only
+    for module in (comparisons, animate):  # clips are read for humans only
+        monkeypatch.setattr(module, "exact_motion", lambda *_: d.Motion(FPS, swing))
     made, novel = study.film_of(plain_job(either)), tmp_path / "novel"
     faces, cloth = made.results.actor.mesh.faces, made.results.dressed.segmentation.clothness > 0.5
     write_truth(tmp_path, faces, simulate(made, estimate(either)), cloth)
     novel.mkdir()
     (novel / "motion.bvh").touch()
-    own, _ = comparisons.novel_surfaces(either, novel / "motion.bvh", FPS, {"estimate": estimate(either)}, d.Context())
-    write_truth(novel, faces, np.asarray(own[1]), cloth)
+    character = d.Character.read(either / "character.glb")
+    write_truth(novel, faces, animate.animate_exactly(character, novel / "motion.bvh", FPS, d.Context()), cloth)
     record = json.loads((either / "run.json").read_text())
     record["stages"]["fit"]["options"]["fit.max_evaluations"] = 8
     (either / "run.json").write_text(json.dumps(record))
