@@ -324,3 +324,27 @@ def test_a_character_without_cloth_has_no_material(bundle, person, browser, tmp_
     until(browser, "doubletView.state.time > 2 && document.getElementById('timeline').max > 0")
     assert browser.execute_script("return document.getElementById('k_bend')") is None
     assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
+
+
+def walk(skeleton, path):
+    """Two metres in a second."""
+    dofs = np.zeros((FPS, len(skeleton.dof_names)))
+    dofs[:, skeleton.dof_names.index("pelvis.tx")] = np.linspace(0, 2, FPS)
+    d.write_bvh(path, skeleton, d.Motion(FPS, dofs))
+    return path.read_bytes()
+
+
+def test_cloth_comes_along_when_a_clip_that_began_in_the_middle_begins_again(own_page, person, tmp_path):
+    drop(own_page, "walk.bvh", walk(person.actor.skeleton, tmp_path / "walk.bvh"))
+    until(own_page, "doubletView.state.clip === 1 && doubletView.state.time > 2")
+    own_page.execute_script(
+        """const { actor } = doubletView.state.actors[0], arrive = actor.on_frame.bind(actor);
+        window.how = [];
+        actor.on_frame = (message) => (window.how.push(message.how), arrive(message));
+        const line = document.getElementById("timeline");
+        line.value = 30;
+        line.dispatchEvent(new Event("change"));"""
+    )
+    until(own_page, "window.how.includes('beginAgain')")
+    how = [one for one in own_page.execute_script("return window.how.slice(window.how.indexOf('reset'))") if one != "step"]
+    assert how == ["reset", "reset", "beginAgain"]  # what is kept of the first is of another pose

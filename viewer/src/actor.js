@@ -15,8 +15,8 @@ export class Actor {
     this.frames = new Map(); // number -> {drawn}
     this.run = 0; // frames of an earlier run are not wanted any more
     this.onProblem = onProblem;
-    const address = URL.createObjectURL(new Blob([workerSource], { type: "text/javascript" }));
-    this.worker = new Worker(address);
+    this.address = URL.createObjectURL(new Blob([workerSource], { type: "text/javascript" }));
+    this.worker = new Worker(this.address);
     this.opened = new Promise((resolve, reject) => Object.assign(this, { onOpened: resolve, onRefused: reject }));
     this.worker.onmessage = ({ data }) => this[`on_${data.type}`](data);
     this.worker.onerror = (event) => onProblem(event.message);
@@ -24,6 +24,7 @@ export class Actor {
   }
 
   on_opened(message) {
+    URL.revokeObjectURL(this.address);
     this.dt = message.dt;
     this.clothVertexCount = message.clothVertexCount;
     this.materials = message.materials;
@@ -63,7 +64,9 @@ export class Actor {
     for (const number of this.frames.keys()) if (number < shown) this.frames.delete(number);
     for (; this.asked < Math.min(this.schedule.length, next + AHEAD); this.asked += 1) {
       const at = this.schedule[this.asked];
-      const how = this.asked === 0 ? "reset" : at === 0 && this.schedule[this.asked - 1] !== 0 ? "beginAgain" : "step";
+      const isJump = this.asked > 0 && at === 0 && this.schedule[this.asked - 1] !== 0;
+      const how = this.asked === 0 || (isJump && this.begun !== at) ? "reset" : isJump ? "beginAgain" : "step";
+      if (how === "reset") this.begun = at; // the pose for which the cloth is kept
       this.worker.postMessage({ type: "frame", how, run: this.run, pose: this.poses[at] });
     }
   }
@@ -90,6 +93,7 @@ export class Actor {
   }
 
   end() {
+    URL.revokeObjectURL(this.address);
     this.worker.terminate();
   }
 }
