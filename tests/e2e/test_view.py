@@ -4,6 +4,7 @@ import base64
 import io
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import doublet as d
@@ -269,6 +270,9 @@ def test_what_is_no_file_of_ours_gets_a_sentence(own_page):
     until(own_page, "document.getElementById('status').textContent.startsWith('broken.bvh')")
     drop(own_page, "broken.vrma", b"HIERARCHY\nROOT\n")
     until(own_page, "document.getElementById('status').textContent.startsWith('broken.vrma: expected a GLB')")
+    for name, content in (("short.glb", b"glTF"), ("broken.png", b"nothing")):
+        drop(own_page, name, content)
+        until(own_page, f"document.getElementById('status').textContent.startsWith('{name}: ')")
 
 
 def test_space_pauses_and_the_timeline_leads_anywhere(own_page):
@@ -326,6 +330,14 @@ def test_a_character_without_cloth_has_no_material(bundle, person, browser, tmp_
     assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
 
 
+@contextmanager
+def scripted(browser, source):  # noqa: F811
+    """Pages that are opened meanwhile run this first."""
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": source})
+    yield
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+
+
 def walk(skeleton, path):
     """Two metres in a second."""
     dofs = np.zeros((FPS, len(skeleton.dof_names)))
@@ -348,3 +360,62 @@ def test_cloth_comes_along_when_a_clip_that_began_in_the_middle_begins_again(own
     until(own_page, "window.how.includes('beginAgain')")
     how = [one for one in own_page.execute_script("return window.how.slice(window.how.indexOf('reset'))") if one != "step"]
     assert how == ["reset", "reset", "beginAgain"]  # what is kept of the first is of another pose
+
+
+def test_files_of_two_drops_are_taken_one_after_the_other(own_page, files):
+    for name in ("one.glb", "two.glb"):
+        drop(own_page, name, (files / "c.glb").read_bytes())
+    until(own_page, "doubletView.state.actors[0]?.actor.name === 'two' && doubletView.state.time > 1")
+    assert own_page.execute_script("return doubletView.state.actors.length") == 1
+
+
+def test_clips_that_another_character_cannot_dance_go(own_page, person, files, tmp_path):
+    drop(own_page, "walk.bvh", walk(person.actor.skeleton, tmp_path / "walk.bvh"))
+    until(own_page, "doubletView.state.clip === 1")
+    drop(own_page, "column.glb", (files / "c.glb").read_bytes())
+    until(own_page, "doubletView.state.actors[0]?.actor.name === 'column' && doubletView.state.time > 1")
+    assert own_page.find_element(By.ID, "clip").text == "to and fro"
+    assert own_page.find_element(By.ID, "status").text.startswith("walk: skeleton: expected a human skeleton")
+
+
+def test_what_is_not_shown_any_more_is_freed(own_page):
+    kept = "const { geometries, textures } = doubletView.stage.renderer.info.memory; return [geometries, textures]"
+    before = own_page.execute_script(kept)
+    for count in (2, 1):
+        own_page.find_element(By.ID, "compare").click()
+        until(own_page, f"doubletView.state.actors.length === {count} && doubletView.state.time > 1")
+    own_page.execute_script("doubletView.stage.draw(true)")
+    assert own_page.execute_script(kept) == before
+
+
+EVEN_CLOCK = """
+  let clock;
+  const frame = window.requestAnimationFrame.bind(window), now = performance.now.bind(performance);
+  performance.now = () => clock ?? now();
+  window.requestAnimationFrame = (call) => frame((time) => call((clock = (clock ?? time) + 16)));
+  window.away = () => (clock += 60000, document.dispatchEvent(new Event("visibilitychange")));
+"""
+
+
+def test_time_in_which_nothing_was_to_be_drawn_makes_no_coarser_pictures(bundle, files, browser):  # noqa: F811
+    """Loading, and another tab."""
+    assert doublet("view", files / "c.glb", "-o", files / "even").returncode == 0
+    with scripted(browser, EVEN_CLOCK):
+        browser.get((files / "even" / "index.html").as_uri())
+        until(browser, "doubletView.state.pictures.length > 20 || doubletView.stage.quality > 0")
+        assert browser.execute_script("return doubletView.stage.quality") == 0
+        browser.execute_script("window.away()")
+        until(browser, "doubletView.state.pictures.length > 50 || doubletView.stage.quality > 0")
+        assert browser.execute_script("return doubletView.stage.quality") == 0
+
+
+def test_a_browser_that_cannot_draw_says_so(bundle, files, browser):  # noqa: F811
+    assert doublet("view", files / "c.glb", "-o", files / "undrawn").returncode == 0
+    with scripted(browser, "HTMLCanvasElement.prototype.getContext = () => null"):
+        browser.get((files / "undrawn" / "index.html").as_uri())
+        until(browser, "document.getElementById('status').classList.contains('problem')")
+        assert "WebGL" in browser.find_element(By.ID, "status").text
+    (files / "undrawn" / "data.js").unlink()
+    browser.get((files / "undrawn" / "index.html").as_uri())
+    until(browser, "document.getElementById('status').classList.contains('problem')")
+    assert "data.js" in browser.find_element(By.ID, "status").text

@@ -4,14 +4,24 @@ const JSON_CHUNK = 20; // where the text of a .glb begins
 
 /** Is this a .glb with a character of doublet in it? */
 export function isCharacter(bytes) {
-  if (new TextDecoder().decode(bytes.slice(0, 4)) !== "glTF") return false;
+  if (bytes.length < JSON_CHUNK || new TextDecoder().decode(bytes.slice(0, 4)) !== "glTF") return false;
   const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(12, true);
   return new TextDecoder().decode(bytes.slice(JSON_CHUNK, JSON_CHUNK + length)).includes('"DOUBLET_character"');
 }
 
-/** Calls take(name, bytes) for each file, one after the other. */
+/** Calls take(name, bytes) for each file, one after the other, those of another drop after those of the one before. */
 export function acceptFiles(element, take, onProblem) {
   const hint = document.getElementById("drop");
+  let last = Promise.resolve();
+  const takeAll = async (files) => {
+    for (const file of files) {
+      try {
+        await take(file.name, new Uint8Array(await file.arrayBuffer()));
+      } catch (error) {
+        onProblem(error.message.startsWith("/") ? error.message.slice(1) : error.message);
+      }
+    }
+  };
   element.addEventListener("dragover", (event) => {
     event.preventDefault();
     hint.hidden = false;
@@ -19,16 +29,11 @@ export function acceptFiles(element, take, onProblem) {
   element.addEventListener("dragleave", (event) => {
     if (!event.relatedTarget) hint.hidden = true;
   });
-  element.addEventListener("drop", async (event) => {
+  element.addEventListener("drop", (event) => {
     event.preventDefault();
     hint.hidden = true;
-    for (const file of [...event.dataTransfer.files]) {
-      try {
-        await take(file.name, new Uint8Array(await file.arrayBuffer()));
-      } catch (error) {
-        onProblem(error.message.startsWith("/") ? error.message.slice(1) : error.message);
-      }
-    }
+    const files = [...event.dataTransfer.files];
+    last = last.then(() => takeAll(files));
   });
 }
 

@@ -22,12 +22,25 @@ const LONGEST_PAUSE = 0.1; // s between two pictures that the clock makes up for
 const TOO_SLOW = 45; // ms a picture, mean of ...
 const PATIENCE = 10; // ... so many
 
-const data = window.DOUBLET_VIEW; // written by `doublet view`, see data.js
+/** What goes wrong before anything is shown is said, too. */
+function orSay(make) {
+  try {
+    return make();
+  } catch (error) {
+    say(error.message, true);
+    throw error;
+  }
+}
+
+const data = orSay(() => {
+  if (!window.DOUBLET_VIEW) throw new Error("expected data.js beside index.html, as `doublet view` wrote it");
+  return window.DOUBLET_VIEW;
+});
 const characters = data.characters.map(({ name, glb }) => ({ name, glb: bytesOf(glb) }));
 // poses: of each character; those of a dropped file come when a character is there that wants them
 const clips = data.clips.map(({ name, poses }) => ({ name, poses: poses.map((of, i) => posesOf(of, data.characters[i].dofs)) }));
 
-const stage = new Stage(byId("stage"));
+const stage = orSay(() => new Stage(byId("stage"))); // needs WebGL 2
 const state = {
   actors: [], // {actor, figure}
   clip: 0,
@@ -53,11 +66,16 @@ async function addActor(which) {
   say("Loading");
   const character = characters[which];
   const actor = new Actor(character, clips.map((clip) => clip.poses[which]), (text) => say(text, true));
-  const opened = await actor.opened;
-  for (const clip of clips) clip.poses[which] ??= await actor.posesOf(clip);
-  actor.clips = clips.map((clip) => clip.poses[which]);
-  actor.which = which;
-  state.actors.push({ actor, figure: await stage.addFigure(opened) });
+  try {
+    const opened = await actor.opened;
+    for (const clip of clips) clip.poses[which] ??= await actor.posesOf(clip);
+    actor.clips = clips.map((clip) => clip.poses[which]);
+    actor.which = which;
+    state.actors.push({ actor, figure: await stage.addFigure(opened) });
+  } catch (error) {
+    actor.end();
+    throw error;
+  }
   setWorld();
 }
 
@@ -80,8 +98,14 @@ function setWorld() {
 
 // --- every picture
 
-let lastTime = performance.now();
+let lastTime;
 let isNew = true;
+let notice = ""; // about the character that is new
+
+/** Until now there was nothing to draw: the page was loading, or behind another one. */
+function wake() {
+  lastTime = performance.now();
+}
 
 function advance(seconds) {
   if (state.actors.length === 0) return false; // between two characters
@@ -118,7 +142,8 @@ function picture(now) {
   if (isReady) {
     show();
     if (isNew) {
-      say("");
+      say(notice, notice !== "");
+      notice = "";
       stage.resize();
       stage.home();
       isNew = false;
@@ -232,7 +257,9 @@ function saveMaterial() {
 
 async function takeFile(fileName, bytes) {
   if (/\.(png|jpe?g)$/i.test(fileName)) {
-    await state.actors[state.chosen].figure.setTexture(bytes);
+    await state.actors[state.chosen].figure.setTexture(bytes).catch((error) => {
+      throw new Error(`${fileName}: ${error.message}`);
+    });
   } else if (isCharacter(bytes)) {
     await takeCharacter(fileName, bytes);
   } else if (/\.(bvh|fbx|glb|vrm|vrma)$/i.test(fileName)) {
@@ -253,23 +280,33 @@ async function takeClip(fileName, bytes) {
   begin();
 }
 
-/** In the place of all that are shown. Clips that were retargeted before the page was written are of the other skeleton. */
+/** In the place of all that are shown. Clips that were retargeted before the page was written are of the other skeleton; those
+ *  that it cannot dance go, too. */
 async function takeCharacter(fileName, glb) {
   const dropped = { name: fileName.replace(/\.[^.]*$/, ""), glb };
   const trial = new Actor(dropped, [], (text) => say(text, true));
   say(`Reading ${fileName}`);
+  const fitting = [];
+  const problems = [];
   try {
     await trial.opened;
+    for (const clip of clips.filter(({ bytes }) => bytes)) {
+      try {
+        fitting.push({ ...clip, poses: [await trial.posesOf(clip)] });
+      } catch (error) {
+        problems.push(`${clip.name}: ${error.message.replace(/^\//, "")}`);
+      }
+    }
   } finally {
     trial.end();
   }
+  notice = problems.join("; ");
   for (const { actor, figure } of state.actors.splice(0)) {
     actor.end();
     stage.removeFigure(figure);
   }
   characters.splice(0, characters.length, dropped);
-  const files = clips.filter(({ bytes }) => bytes).map((clip) => ({ ...clip, poses: [] }));
-  clips.splice(0, clips.length, ...(files.length ? files : [{ name: "to and fro", poses: [] }]));
+  clips.splice(0, clips.length, ...(fitting.length ? fitting : [{ name: "to and fro", poses: [] }]));
   state.clip = 0;
   choose(0);
   await addActor(0);
@@ -299,7 +336,12 @@ function showTime() {
 async function compare(isTwo) {
   byId("compare").disabled = true; // until the second one is there
   if (isTwo) {
-    await addActor(characters.length - 1);
+    try {
+      await addActor(characters.length - 1);
+    } catch (error) {
+      say(error.message.replace(/^\//, ""), true); // it cannot dance a clip that was dropped
+      return fillPanel();
+    }
   } else {
     const { actor, figure } = state.actors.pop();
     actor.end();
@@ -369,8 +411,7 @@ function togglePlay() {
 }
 
 function fold() {
-  const isFolded = byId("panel").classList.toggle("folded");
-  byId("fold").setAttribute("aria-expanded", !isFolded);
+  byId("fold").setAttribute("aria-expanded", !byId("panel").classList.toggle("folded"));
   stage.resize();
   stage.home();
 }
@@ -380,7 +421,7 @@ async function main() {
   if (characters.length > 1) await addActor(1);
   document.title = `doublet: ${characters.map(({ name }) => name).join(", ")}`;
   fillPanel();
-  if (innerWidth <= 640) byId("panel").classList.add("folded");
+  if (innerWidth <= 640) fold();
   byId("play").onclick = togglePlay;
   byId("reset").onclick = () => begin();
   byId("timeline").onchange = ({ target }) => begin(Number(target.value));
@@ -390,6 +431,8 @@ async function main() {
   byId("fold").onclick = fold;
   stage.resize();
   begin();
+  wake();
+  document.addEventListener("visibilitychange", wake);
   requestAnimationFrame(picture);
   setInterval(showNumbers, 100);
 }

@@ -97,6 +97,7 @@ export class Stage {
   }
   removeFigure(figure) {
     this.scene.remove(figure.group);
+    figure.dispose();
     this.figures = this.figures.filter((one) => one !== figure);
     this.figures.forEach((one, i) => (one.group.position.x = APART * (i - (this.figures.length - 1) / 2)));
   }
@@ -197,10 +198,20 @@ class Figure {
   /** Another picture on the first surface. @param {Uint8Array} file */
   async setTexture(file) {
     const { material } = this.meshes[0];
+    const map = await textureOf(file);
     material.map?.dispose();
-    material.map = await textureOf(file);
+    material.map = map;
     material.color.set(0xffffff);
     material.needsUpdate = true;
+  }
+
+  /** What the graphics card has of it goes. */
+  dispose() {
+    for (const { geometry, material } of this.meshes) {
+      material.map?.dispose();
+      material.dispose();
+      geometry.dispose();
+    }
   }
 
   constructor({ shapes, bodyColour }, map) {
