@@ -11,7 +11,8 @@ function(doublet_library name)
   add_library(doublet_${name} ${sources})
   add_library(doublet::${name} ALIAS doublet_${name})
   set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
-    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}) # a minor version may break what there is
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} # a minor version may break what there is
+    INSTALL_RPATH "$ORIGIN;${CMAKE_INSTALL_RPATH}") # shared ones find each other beside themselves
   target_compile_features(doublet_${name} PUBLIC cxx_std_20)
   target_include_directories(doublet_${name}
     PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>

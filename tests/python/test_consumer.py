@@ -1,6 +1,7 @@
 """doublet as a user's CMake project sees it: installed, inside the tree, and the cloth library alone."""
 
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -167,6 +168,14 @@ def test_a_component_is_built_with_what_it_links(tmp_path):
     wrong = ["cmake", "-S", ROOT, "-B", tmp_path / "wrong", "-G", "Ninja", "-DDOUBLET_COMPONENTS=fitt"]
     done = subprocess.run([str(c) for c in wrong], capture_output=True, text=True)
     assert done.returncode != 0 and "found 'fitt'" in " ".join(done.stderr.split())
+
+
+def test_shared_libraries_find_each_other_wherever_they_are_installed(tmp_path):
+    """A library that one of ours alone links is not looked for beside the program."""
+    run("cmake", "-S", ROOT, "-B", tmp_path, "-G", "Ninja", "-DDOUBLET_COMPONENTS=fit", "-DBUILD_SHARED_LIBS=ON")
+    script = (tmp_path / "cmake_install.cmake").read_text(encoding="utf-8")
+    for room in ("core", "rays", "files", "pbd", "simulate", "fit"):
+        assert re.search(rf'FILE "[^"]*/libdoublet_{room}\.so"\s+RPATH "\\\$ORIGIN"', script), room
 
 
 def test_the_build_type_of_a_project_around_it_is_its_own(tmp_path):
