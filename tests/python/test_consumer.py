@@ -57,6 +57,11 @@ def test_installed_package(installed, tmp_path):
     assert "no such session" in run(program)
 
 
+def test_licences_are_installed(installed):
+    found = {path.parent.name for path in installed.glob("share/doc/doublet/**/LICENSE")}
+    assert found == {"doublet", *(path.parent.name for path in ROOT.glob("third_party/*/LICENSE"))}
+
+
 OTHERS = ("OpenCV", "PNG", "JPEG", "OpenMesh", "embree", "nlohmann_json", "TinyGLTF", "PkgConfig")  # all that is not Eigen
 
 

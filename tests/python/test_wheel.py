@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -41,11 +42,22 @@ def test_it_looks_for_libraries_nowhere_else():
 
 
 @pytest.fixture(scope="module")
-def elsewhere(tmp_path_factory):
-    """A clean environment with the wheel of tests/run_tests.sh."""
-    wheel = os.environ.get("DOUBLET_WHEEL")
-    if not wheel:
+def wheel():
+    """That of tests/run_tests.sh."""
+    path = os.environ.get("DOUBLET_WHEEL")
+    if not path:
         pytest.skip("DOUBLET_WHEEL does not name a wheel (tests/run_tests.sh sets it)")
+    return path
+
+
+def test_licences_of_what_is_compiled_into_it_are_in_it(wheel):
+    names = {name.partition(".dist-info/licenses/")[2] for name in zipfile.ZipFile(wheel).namelist()}
+    assert {"LICENSE", *(str(path.relative_to(ROOT)) for path in ROOT.glob("third_party/*/LICENSE"))} <= names
+
+
+@pytest.fixture(scope="module")
+def elsewhere(wheel, tmp_path_factory):
+    """A clean environment with the wheel."""
     folder = tmp_path_factory.mktemp("some where") / "venv"
     subprocess.run(["/usr/bin/python3", "-m", "venv", folder], check=True)
     subprocess.run([folder / "bin" / "python", "-m", "pip", "install", "-q", wheel], check=True)
