@@ -8,14 +8,14 @@ the last pose held for 2 s. In every fourth the joints are turned away from the 
 every half second, within the joint's limits, and at the end not at all: such a body passes through itself. Whether one does is
 counted in every eighth frame: the share of those with faces of the body through others that do not cross in the scan's pose.
 
-A clip succeeds if all numbers are finite, no edge of the drawn garment is ever over 3 times as long as in its rest shape (2 mm if
-it is shorter there), and at the end of the hold at most 0.5 % of the faces of the simulated garment pass through others: what the
-player itself takes for a garment that is not tangled, since a few faces in the bottom of a fold do. A garment with more may be
-caught, or be pressed together by this pose, in a groin or an armpit. Such a clip goes on for 0.6 s to the scan's pose and 0.5 s
-there, before the player would look for tangles again: more than 0.5 % then is a knot that stays.
+A clip succeeds if all numbers are finite, no edge of the drawn garment is over 3 times as long in the motion as in its rest
+shape (2 mm if it is shorter there), and at the end of the hold at most 0.5 % of the faces of the simulated garment pass through
+others: what the player itself takes for a garment that is not tangled, since a few faces in the bottom of a fold do. A garment
+with more may be caught, or be pressed together by this pose, in a groin or an armpit. Such a clip goes on for 0.6 s to the
+scan's pose and 0.5 s there, before the player would look for tangles again: more than 0.5 % then is a knot that stays.
 
-ms a frame: of the player, all that is drawn, CPU time; median over frames, then over clips. Clips that FOLDER has are not played
-again.
+ms a frame: of the player, all that is drawn, CPU time; median over frames, then over clips. Clips that FOLDER has of the same
+character are not played again.
 
 The second compares the surfaces that cameras see, body and garment, with the truth, in both directions, with samples as
 `doublet evaluate` has them: Chamfer distance, the mean of both mean distances; F-score, the harmonic mean of the shares of both
@@ -106,19 +106,20 @@ class Subject:
 
     def __init__(self, name: str, path: Path, folder: Path):
         self.name, self.character, self.rows_path = name, d.Character.read(path), folder / f"{name}.jsonl"
-        self.drawn, self.bare = Drawn(self.character), without_cloth(path)
+        self.drawn, self.bare, self.hash = Drawn(self.character), without_cloth(path), d.hash_files(path)[:16]
         lines = self.rows_path.read_text(encoding="utf-8").splitlines() if self.rows_path.exists() else []
         self.rows = {row["index"]: row for row in map(json.loads, lines)}
 
     def play(self, drawn: dict, clip: d.SourceMotion) -> None:
         """One more clip, unless it is there."""
+        drawn = {**drawn, "character": self.hash}
         known = self.rows.get(drawn["index"])
         if known is None:
             row = drawn | self.measured(motion_of(drawn, clip, self.character))
             self.rows[drawn["index"]] = row
             with self.rows_path.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(row) + "\n")
-        elif drawn != {key: known[key] for key in drawn}:
+        elif drawn != {key: known.get(key) for key in drawn}:
             raise SystemExit(f"{self.rows_path}: clip {drawn['index']}: expected {drawn}, found {known}: take another folder")
 
     def measured(self, motion: d.Motion) -> dict:
@@ -196,6 +197,8 @@ def markdown(header: list[str], rows: list[list[str]]) -> str:
 def play_all(chosen: argparse.Namespace) -> None:
     chosen.out.mkdir(parents=True, exist_ok=True)
     clips = {path.name: d.SourceMotion.read(path) for path in chosen.clips}
+    if len(clips) < len(chosen.clips):
+        raise SystemExit("--clips: expected files of different names, found some of the same")
     subjects = [Subject(name, path, chosen.out) for name, path in chosen.characters]
     for index in range(chosen.count):
         drawn = draw(chosen.seed, index, clips)

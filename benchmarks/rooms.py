@@ -10,7 +10,8 @@ masks, which go before the plates; `eight`, `four` and `three`, without scan and
 with every second or third one; `person` and `person4`, the same without a calibration: cameras by `new-session --calibrate`,
 the world that was found laid over the true one. --keypoints: those of the session's videos, as a program found them; otherwise
 the true joints with an error of 0.6 % of the image. --tracked-keypoints: every room has them, and tracking goes by them.
-Printed: a row of `doublet evaluate` each. What is in FOLDER already is not made again.
+Printed: a row of `doublet evaluate` each. What is in FOLDER already is not made again; a room that was made of something else is
+refused.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import json
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import doublet as d
@@ -262,11 +263,26 @@ def run(*command: object) -> str:
     return done.stdout
 
 
+def made_of(source: Path, flaws: Flaws, seed: int, person: Person) -> dict:
+    """All that a room depends on, as JSON has it."""
+    asked = person.tracked or not flaws.calibrated
+    keypoints = str(person.keypoints.resolve()) if asked and person.keypoints else None
+    height = None if flaws.calibrated else person.height
+    who = {"height": height, "keypoints": keypoints, "tracked": person.tracked}
+    return {"session": str(source.resolve()), "seed": seed, "flaws": asdict(flaws), "person": who}
+
+
 def measured(source: Path, room: str, folder: Path, seed: int, person: Person) -> dict[str, float]:
     flaws, session, out = ROOMS[room], folder / room, folder / f"{room}.out"
+    wanted, record = made_of(source, flaws, seed, person), folder / f"{room}.json"
     if not (session / "session.json").exists():
         shutil.rmtree(session, ignore_errors=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        record.write_text(json.dumps(wanted, indent=1), encoding="utf-8")
         make_session(source, flaws, session, seed, person)
+    found = json.loads(record.read_text(encoding="utf-8")) if record.exists() else "nothing that says so"
+    if found != wanted:
+        raise SystemExit(f"{session}: expected a room that is made of {wanted}, found {found}: take another folder")
     if not flaws.scanned and not (session / "scan.ply").exists():
         run("scan", session)
     run("capture", session, "-o", out, "--keep-going")
@@ -284,6 +300,8 @@ def main() -> None:
     parser.add_argument("--keypoints", type=Path, help="of the person for each camera, as a program found them")
     parser.add_argument("--tracked-keypoints", action="store_true", help="tracking goes by keypoints, too")
     options = parser.parse_args()
+    if not (options.session / "ground_truth").is_dir():
+        parser.error(f"expected a session with ground_truth, found {options.session}")
     person = Person(options.height, options.keypoints, options.tracked_keypoints)
     print("| | " + " | ".join(f"`{name}`" for name in METRICS) + " |")
     print("| --- |" + " --- |" * len(METRICS))

@@ -4,8 +4,9 @@ python benchmarks/wearers.py 0 1 2 ... --clips CLIP.bvh ... -o FOLDER [--whole]
 
 A seed is a wearer: kind of garment (eight in turn), its length, ease, colour (of every third: that of the skin), the person's
 shape, and a clip. Printed: what it is, and `cloth_iou`, as `doublet evaluate` has it; the median and the worst tenth at the end.
-With --whole the garment is meshed, fitted and simulated, too, and `resim_cloth_cm` and `resim_two_sided_cm` printed.
-What is in FOLDER already is not made again. Even seeds are there to choose options by, odd ones to report.
+With --whole the garment is meshed, fitted and simulated, too, and `resim_cloth_cm` and `resim_two_sided_cm` printed. What is in
+FOLDER already is not made again; another clip than a wearer was filmed in is refused. Even seeds are there to choose options
+by, odd ones to report.
 """
 
 from __future__ import annotations
@@ -63,6 +64,12 @@ def run(*command: object) -> None:
 def captured(seed: int, clip: Path, folder: Path) -> tuple[Path, Path]:
     """Folders of the results, up to what is cloth, and of the session."""
     character, session, out = (folder / f"wearer{seed}{ending}" for ending in (".glb", "", ".out"))
+    filmed = folder / f"wearer{seed}.clip"
+    if not (session / "session.json").exists():
+        filmed.write_text(clip.name, encoding="utf-8")
+    found = filmed.read_text(encoding="utf-8") if filmed.exists() else "nobody knows what"
+    if found != clip.name:
+        raise SystemExit(f"{session}: expected a film of {clip.name}, found one of {found}: take another folder")
     if not character.exists():
         make_wearer(seed, character)
     if not (session / "session.json").exists():

@@ -108,6 +108,11 @@ def test_cloth_that_hangs_succeeds_and_is_not_played_again(bell, still, tmp_path
     assert field.table_row("bell", list(again.rows.values()))[:3] == ["bell", "1 of 1", "-"]
     with pytest.raises(SystemExit, match="take another folder"):
         again.play(drawn | {"clip": "other.bvh"}, None)
+    other = d.Character.read(bell)
+    other.materials = [d.Material(k_bend=0.9)]
+    other.write(tmp_path / "other.glb")
+    with pytest.raises(SystemExit, match="take another folder"):
+        field.Subject("bell", tmp_path / "other.glb", tmp_path).play(drawn, None)
 
 
 def test_cloth_that_is_too_long_fails(write_bell, still, tmp_path, monkeypatch):
