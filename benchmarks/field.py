@@ -119,7 +119,7 @@ class Subject:
             self.rows[drawn["index"]] = row
             with self.rows_path.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(row) + "\n")
-        elif drawn != {key: known.get(key) for key in drawn}:
+        elif drawn != {key: known.get(key, drawn[key]) for key in drawn}:  # of before there may be no hash
             raise SystemExit(f"{self.rows_path}: clip {drawn['index']}: expected {drawn}, found {known}: take another folder")
 
     def measured(self, motion: d.Motion) -> dict:
