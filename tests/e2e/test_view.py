@@ -2,6 +2,7 @@
 
 import base64
 import io
+import json
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -183,6 +184,15 @@ def test_what_is_wrong_gets_its_sentence(character, files, tmp_path, monkeypatch
     ):
         view.write_view(tmp_path / "page", [files / "c.glb"], [], d.RetargetOptions())
     assert not (tmp_path / "page").exists()
+
+
+def test_arms_of_clips_are_kept_out_of_the_body(bundle, files, tmp_path, monkeypatch):
+    """Those of a file that is dropped are by player.cpp."""
+    monkeypatch.setattr(view.d, "resolve_arm_penetration", lambda _, motion, context: d.Motion(motion.fps, motion.dofs + 1))
+    view.write_view(tmp_path, [files / "c.glb"], [files / "dance.npz"], d.RetargetOptions())
+    written = json.loads((tmp_path / "data.js").read_text().removeprefix("window.DOUBLET_VIEW = ").rstrip(";\n"))
+    (poses,) = written["clips"][0]["poses"]
+    np.testing.assert_allclose(np.frombuffer(base64.b64decode(poses), "<f8"), np.load(files / "dance.npz")["dofs"].ravel() + 1)
 
 
 # --- files that are dropped, keys, time

@@ -73,10 +73,12 @@ def base64_of(content: bytes) -> str:
 
 
 def poses_of(clip: Path, character: d.Character, retargeting: d.RetargetOptions, context: d.Context) -> bytes:
-    """(T, D) float64 at the character's own rate."""
+    """(T, D) float64 at the character's own rate, the arms out of the body, as animate() has them and the page those of a file
+    that is dropped."""
     retargeting = copy.copy(retargeting)
     retargeting.fps = retargeting.fps or 1 / character.solver.dt
     motion = at_own_rate(read_motion(clip, character, retargeting, context), character)
+    motion = d.resolve_arm_penetration(character, motion, context)
     return np.ascontiguousarray(motion.dofs, "<f8").tobytes()
 
 
