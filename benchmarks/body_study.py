@@ -72,6 +72,8 @@ def main() -> None:
     parser.add_argument("--people", type=int, default=LEFT_OUT, help=f"how many of the {LEFT_OUT} left out are fitted")
     parser.add_argument("--only", nargs="+", choices=CASES, default=list(CASES))
     arguments = parser.parse_args()
+    if not 1 <= arguments.people <= LEFT_OUT:
+        parser.error(f"--people: expected 1 to {LEFT_OUT}, found {arguments.people}")
     people = Population(arguments.population)
     left_out = np.sort(np.random.default_rng(1).permutation(people.people)[:LEFT_OUT])
     options = d.TrainOptions(individuals=[i for i in range(people.people) if i not in left_out])

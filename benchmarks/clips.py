@@ -124,6 +124,8 @@ def main() -> None:
     parser.add_argument("--hold", type=float, default=3, metavar="S", help="the last pose is held so long (default: 3)")
     parser.add_argument("--every", type=int, default=8, metavar="N", help="frames between two in which skin is looked for")
     chosen = parser.parse_args()
+    if not chosen.hold > 0:
+        parser.error(f"--hold: expected seconds above 0, found {chosen.hold:g}")
     character, console = d.Character.read(chosen.character), Console()
     drawn = Drawn(character)
     print("| clip | frames | skin | within | stretch (frame), over 3 | floor, cm | slide, cm/s | rest, mm/s | crossing |")
