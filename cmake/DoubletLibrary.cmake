@@ -71,9 +71,9 @@ function(doublet_install_package)
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
   install(FILES ${PROJECT_BINARY_DIR}/include/doublet/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/doublet COMPONENT development)
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/doublet COMPONENT development)
   foreach(library PoissonRecon ufbx) # which are compiled into ours
-    install(FILES ${PROJECT_SOURCE_DIR}/third_party/${library}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR}/${library} COMPONENT development)
+    install(FILES ${PROJECT_SOURCE_DIR}/third_party/${library}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/doublet/${library} COMPONENT development)
   endforeach()
   install(EXPORT doubletTargets NAMESPACE doublet:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet COMPONENT development)
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/doubletConfig.cmake.in ${PROJECT_BINARY_DIR}/doubletConfig.cmake
