@@ -7,6 +7,7 @@ import subprocess
 import sys
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import doublet as d
 import numpy as np
@@ -193,6 +194,15 @@ def test_arms_of_clips_are_kept_out_of_the_body(bundle, files, tmp_path, monkeyp
     written = json.loads((tmp_path / "data.js").read_text().removeprefix("window.DOUBLET_VIEW = ").rstrip(";\n"))
     (poses,) = written["clips"][0]["poses"]
     np.testing.assert_allclose(np.frombuffer(base64.b64decode(poses), "<f8"), np.load(files / "dance.npz")["dofs"].ravel() + 1)
+
+
+def test_without_clips_it_turns_if_it_can():
+    for dof, most in ((6, view.TURN_ANGLE), (0, 0.0)):
+        skeleton = d.Skeleton(
+            [d.JointAnnotation("pelvis", "", [0, 1, 0], dof), d.JointAnnotation("spine", "pelvis", [0, 1.2, 0], 3)]
+        )
+        still = SimpleNamespace(actor=SimpleNamespace(skeleton=skeleton), solver=d.SolverSettings(1 / FPS))
+        assert np.frombuffer(view.turning(still), "<f8").max() == pytest.approx(most)
 
 
 # --- files that are dropped, keys, time

@@ -83,12 +83,12 @@ def poses_of(clip: Path, character: d.Character, retargeting: d.RetargetOptions,
 
 
 def turning(character: d.Character) -> bytes:
-    """The same for an actor who turns to and fro on the spot, in the pose of the scan."""
+    """The same for an actor who turns to and fro on the spot, in the pose of the scan; a root that does not turn stands still."""
     skeleton = character.actor.skeleton
     count = round(2 * TURN_SECONDS / character.solver.dt)
     dofs = np.zeros((count, len(skeleton.dof_names)))
-    yaw = next(i for i, name in enumerate(skeleton.dof_names) if name.endswith(".ry"))
-    dofs[:, yaw] = TURN_ANGLE * np.sin(np.linspace(0, 2 * np.pi, count, endpoint=False)) ** 3
+    yaw = [i for i, name in enumerate(skeleton.dof_names) if name.endswith(".ry")]
+    dofs[:, yaw] = TURN_ANGLE * np.sin(np.linspace(0, 2 * np.pi, count, endpoint=False))[:, None] ** 3
     return np.ascontiguousarray(dofs, "<f8").tobytes()
 
 
