@@ -69,16 +69,22 @@ def column(out: Path, truth: Path) -> dict[str, str]:
     command = ["doublet", "evaluate", str(out), "--truth", str(truth), "--json", "--quiet"]
     metrics = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout)["metrics"]
     cells = {f"`{name}`": rounded(metrics.get(name), digits) for name, digits in METRICS.items()}
-    region = json.loads((out / "material.json").read_text(encoding="utf-8"))["regions"][0]
-    found = region["parameters"]
-    cells["the estimate: d_n, d_t"] = f"{found['d_n']:.1f}, {found['d_t']:.1f}"
-    cells["k_bend, k_stretch, k_friction"] = f"{found['k_bend']:.2f}, {found['k_stretch']:.3f}, {found['k_friction']:.2f}"
-    low, high = region["interval"]["d_n"]
-    cells["90 % interval of d_n"] = f"{low:.1f} to {high:.1f}"
-    cells["width, 0 = the widest of five"] = f"{region['width']:.0f}"
-    energies = f"{region['energy']:.0f}, {region['energy_noise']:.1f}, {region['energy_at_centre']:.0f}"
-    cells["`E_fit`, px^2: estimate, its noise, centre of the box"] = energies
+    regions = json.loads((out / "material.json").read_text(encoding="utf-8"))["regions"]
+    cells |= estimate(regions[0]) if regions else {}
     return cells
+
+
+def estimate(region: dict) -> dict[str, str]:
+    found = region["parameters"]
+    low, high = region["interval"]["d_n"]
+    energies = f"{region['energy']:.0f}, {region['energy_noise']:.1f}, {region['energy_at_centre']:.0f}"
+    return {
+        "the estimate: d_n, d_t": f"{found['d_n']:.1f}, {found['d_t']:.1f}",
+        "k_bend, k_stretch, k_friction": f"{found['k_bend']:.2f}, {found['k_stretch']:.3f}, {found['k_friction']:.2f}",
+        "90 % interval of d_n": f"{low:.1f} to {high:.1f}",
+        "width, 0 = the widest of five": rounded(region.get("width"), 0),  # none of cloth without a mesh of its own
+        "`E_fit`, px^2: estimate, its noise, centre of the box": energies,
+    }
 
 
 def rounded(value: float | None, digits: int) -> str:
@@ -101,7 +107,8 @@ def processor() -> str:
 
 def table(columns: dict[str, dict[str, str]]) -> str:
     lines = [["", *columns], ["---"] * (len(columns) + 1)]
-    lines += [[row, *(cells[row] for cells in columns.values())] for row in next(iter(columns.values()))]
+    rows = dict.fromkeys(row for cells in columns.values() for row in cells)
+    lines += [[row, *(cells.get(row, "") for cells in columns.values())] for row in rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
