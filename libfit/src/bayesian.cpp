@@ -25,7 +25,7 @@ constexpr int kDraws = 64;                   // functions
 constexpr int kCandidates = 600;             // points at which a function is drawn
 constexpr int kAround = 8;                   // of the lowest samples, around which most candidates lie
 constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' parameters
-constexpr std::size_t kSettled = 4;          // generations in which nothing was found
+constexpr std::size_t kSettled = 2;          // generations in a row after which nothing is expected
 
 /// Functions drawn from the process at points, of which the first is the answer.
 struct FunctionDraws {
@@ -69,7 +69,7 @@ public:
     energies_.tail(count) = energies;
     ++generation_;
     consider(logs_.size() == 0 ? kFirstSteps : kSteps);
-    answers_.push_back(answer_energy_);
+    gains_.push_back(expected_gain_);
   }
 
   bool stop() const override { return !reason().empty(); }
@@ -95,7 +95,7 @@ public:
     json["samples"] = state::to_json(samples_);
     json["energies"] = state::to_json(energies_);
     json["logs"] = state::to_json(logs_);
-    json["answers"] = answers_;
+    json["gains"] = gains_;
     return json.dump();
   }
 
@@ -109,7 +109,7 @@ public:
       samples_ = state::matrix(json.at("samples"), count, n_);
       energies_ = state::vector(json.at("energies"), count);
       logs_ = state::vector(json.at("logs"), n_ + 2);
-      answers_ = json.at("answers").get<std::vector<double>>();
+      gains_ = json.at("gains").get<std::vector<double>>();
       generation_ = state::count(json.at("generation"));
       random_.restore(json.at("random"));
       consider(0);
@@ -119,21 +119,16 @@ public:
 private:
   std::string reason() const {
     if (settled())
-      return "the answer gained less than " + state::Json(options_.min_gain).dump() + " in " + std::to_string(kSettled) +
-             " generations";
+      return "a gain of less than " + state::Json(options_.min_gain).dump() + " was expected " + std::to_string(kSettled) +
+             " times in a row";
     if (energies_.size() >= options_.max_evaluations)
       return std::to_string(options_.max_evaluations) + " evaluations";
     return {};
   }
 
-  /// Every generation goes where the minimum may be, so that several that find nothing tell that it is found. Not from the first
-  /// on, which went anywhere.
   bool settled() const {
-    const std::size_t count = answers_.size();
-    if (options_.min_gain == 0 || count < kSettled + 2)
-      return false;
-    const double before = answers_[count - 1 - kSettled], now = answers_.back();
-    return before - now < options_.min_gain * std::fabs(now);
+    return gains_.size() >= kSettled &&
+           std::all_of(gains_.end() - kSettled, gains_.end(), [this](double gain) { return gain < options_.min_gain; });
   }
 
   Eigen::RowVectorXd on_level(Eigen::RowVectorXd point) const {
@@ -142,7 +137,8 @@ private:
     return point;
   }
 
-  /// What follows from the samples so far: process, answer, where the minimum may be. The scale zooms in with the samples.
+  /// What follows from the samples so far: process, answer, where the minimum may be, and by how much it may lie lower. The scale
+  /// zooms in with the samples.
   void consider(int steps) {
     random_before_ = random_.state();
     const EnergyScale scale = fit::scale_of(energies_);
@@ -150,10 +146,15 @@ private:
     logs_ = process_->logs();
     draws_ = draw_functions();
     answer_ = draws_->points.row(0).transpose();
-    answer_energy_ = scale.energy(process_->mean(MatrixRM(answer_.transpose()))[0]);
     MatrixRM minima(kDraws, n_);
-    for (Eigen::Index d = 0; d < kDraws; ++d)
-      minima.row(d) = draws_->points.row(draws_->lowest(d));
+    double at_answer = 0, lowest = 0; // sums
+    for (Eigen::Index d = 0; d < kDraws; ++d) {
+      const Eigen::Index row = draws_->lowest(d);
+      minima.row(d) = draws_->points.row(row);
+      at_answer += scale.energy(draws_->values(0, d));
+      lowest += scale.energy(draws_->values(row, d));
+    }
+    expected_gain_ = (at_answer - lowest) / std::max(std::fabs(at_answer), 1e-300);
     const Eigen::RowVectorXd centre = minima.colwise().mean();
     deviations_ = (minima.rowwise() - centre).array().square().colwise().mean().sqrt().transpose();
   }
@@ -288,10 +289,10 @@ private:
   std::string random_before_; // where the random numbers stood when the samples so far were considered
   MatrixRM samples_;
   Eigen::VectorXd energies_, logs_, answer_, deviations_;
-  std::vector<double> answers_; // what the process says that they cost, after every generation
+  std::vector<double> gains_; // expected after every generation
   std::optional<GaussianProcess> process_;
   std::optional<FunctionDraws> draws_;
-  double answer_energy_ = 0;
+  double expected_gain_ = 0; // share of the answer's energy
   int generation_ = 0;
 };
 
