@@ -60,6 +60,19 @@ TEST(SlowBayesian, EndsNearTheMinimumOfANoisyEnergyFromEverySeed) {
   expect_ends_near_the_minimum_from_seeds(3, 10);
 }
 
+TEST(Bayesian, GoesOnWhileItExpectsToGain) {
+  const auto evaluations = [](double min_gain) {
+    BayesianOptions options;
+    options.min_gain = min_gain;
+    options.max_evaluations = 256;
+    Noisy energy(0.03, 1);
+    return evaluations_of(*create_bayesian(5, options), energy);
+  };
+  EXPECT_LT(evaluations(1), evaluations(0.01)); // to gain all of it is never expected
+  EXPECT_LT(evaluations(0.01), evaluations(0));
+  EXPECT_EQ(evaluations(0), 256);
+}
+
 TEST(Bayesian, GroupsOfAGenerationShareALevel) {
   BayesianOptions options;
   options.levels = 4;
