@@ -303,6 +303,11 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     formats["bvh"] = ([motions / "walk.bvh"], d.SourceMotion.read)
     formats["amc"] = ([motions / "person_01.amc", motions / "person.asf"], lambda path: read_acclaim(path.parent))
 
+    for name, kind in (("fbx", "blender_binary"), ("fbx_text", "text")):
+        clip = motions / f"{name}.fbx"
+        clip.write_bytes((Path(__file__).parent / "corpus/fbx_motion" / kind).read_bytes())
+        formats[name] = ([clip], d.SourceMotion.read)
+
     d.write_baked_glb(motions / "clip.glb", world.character, d.animate(world.character, world.motion))
     formats["clip"] = ([motions / "clip.glb"], d.SourceMotion.read)
 
