@@ -36,8 +36,9 @@ suppress_warnings = ["duplicate_declaration.cpp"]
 
 #: Modules of Python that others build on (stability.md).
 MODULES = (
-    "common.console", "evaluation.metrics", "evaluation.motion_metrics", "evaluation.study", "evaluation.synthesize",
-    "export.animate", "export.bone_map", "export.clips", "export.usd", "optimizers", "pages.report", "reconstruct", "scan",
+    "common.console", "evaluation.cameras", "evaluation.metrics", "evaluation.motion_metrics", "evaluation.study",
+    "evaluation.synthesize", "export.animate", "export.bone_map", "export.character_edit", "export.clips", "export.cloth",
+    "export.level_of_detail", "export.usd", "export.vertex_animation", "optimizers", "pages.report", "reconstruct", "scan",
     "session.new_session", "testing",
 )  # fmt: skip
 
