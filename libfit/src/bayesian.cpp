@@ -25,7 +25,8 @@ constexpr int kDraws = 64;                   // functions
 constexpr int kCandidates = 600;             // points at which a function is drawn
 constexpr int kAround = 8;                   // of the lowest samples, around which most candidates lie
 constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' parameters
-constexpr std::size_t kSettled = 2;          // generations in a row after which nothing is expected
+constexpr std::size_t kSettled = 4;          // generations in which nothing was found ...
+constexpr std::size_t kHopeless = 2;         // ... and after so many of them nothing is expected
 
 /// Functions drawn from the process at points, of which the first is the answer.
 struct FunctionDraws {
@@ -69,7 +70,8 @@ public:
     energies_.tail(count) = energies;
     ++generation_;
     consider(logs_.size() == 0 ? kFirstSteps : kSteps);
-    gains_.push_back(expected_gain_);
+    answers_.push_back(answer_energy_);
+    expected_gains_.push_back(expected_gain_);
   }
 
   bool stop() const override { return !reason().empty(); }
@@ -95,7 +97,8 @@ public:
     json["samples"] = state::to_json(samples_);
     json["energies"] = state::to_json(energies_);
     json["logs"] = state::to_json(logs_);
-    json["gains"] = gains_;
+    json["answers"] = answers_;
+    json["expected_gains"] = expected_gains_;
     return json.dump();
   }
 
@@ -109,7 +112,8 @@ public:
       samples_ = state::matrix(json.at("samples"), count, n_);
       energies_ = state::vector(json.at("energies"), count);
       logs_ = state::vector(json.at("logs"), n_ + 2);
-      gains_ = json.at("gains").get<std::vector<double>>();
+      answers_ = json.at("answers").get<std::vector<double>>();
+      expected_gains_ = json.at("expected_gains").get<std::vector<double>>();
       generation_ = state::count(json.at("generation"));
       random_.restore(json.at("random"));
       consider(0);
@@ -118,17 +122,28 @@ public:
 
 private:
   std::string reason() const {
-    if (settled())
-      return "a gain of less than " + state::Json(options_.min_gain).dump() + " was expected " + std::to_string(kSettled) +
-             " times in a row";
+    if (settled() && hopeless())
+      return "the answer gained less than " + state::Json(options_.min_gain).dump() + " in " + std::to_string(kSettled) +
+             " generations, and is expected to gain less than " + state::Json(options_.min_expected_gain).dump();
     if (energies_.size() >= options_.max_evaluations)
       return std::to_string(options_.max_evaluations) + " evaluations";
     return {};
   }
 
+  /// Every generation goes where the minimum may be, so that several that find nothing tell that it is found. Not from the first
+  /// on, which went anywhere.
   bool settled() const {
-    return gains_.size() >= kSettled &&
-           std::all_of(gains_.end() - kSettled, gains_.end(), [this](double gain) { return gain < options_.min_gain; });
+    const std::size_t count = answers_.size();
+    if (options_.min_gain == 0 || count < kSettled + 2)
+      return false;
+    const double before = answers_[count - 1 - kSettled], now = answers_.back();
+    return before - now < options_.min_gain * std::fabs(now);
+  }
+
+  /// Early on the process is too hopeful: its answer then rises, and has gained nothing, while the search is still on its way.
+  bool hopeless() const {
+    return expected_gains_.size() >= kHopeless && std::all_of(expected_gains_.end() - kHopeless, expected_gains_.end(),
+                                                              [this](double gain) { return gain < options_.min_expected_gain; });
   }
 
   Eigen::RowVectorXd on_level(Eigen::RowVectorXd point) const {
@@ -146,6 +161,7 @@ private:
     logs_ = process_->logs();
     draws_ = draw_functions();
     answer_ = draws_->points.row(0).transpose();
+    answer_energy_ = scale.energy(process_->mean(MatrixRM(answer_.transpose()))[0]);
     MatrixRM minima(kDraws, n_);
     double at_answer = 0, lowest = 0; // sums
     for (Eigen::Index d = 0; d < kDraws; ++d) {
@@ -289,10 +305,11 @@ private:
   std::string random_before_; // where the random numbers stood when the samples so far were considered
   MatrixRM samples_;
   Eigen::VectorXd energies_, logs_, answer_, deviations_;
-  std::vector<double> gains_; // expected after every generation
+  std::vector<double> answers_;        // what the process says that they cost, after every generation ...
+  std::vector<double> expected_gains_; // ... and how much of that it expects to gain
   std::optional<GaussianProcess> process_;
   std::optional<FunctionDraws> draws_;
-  double expected_gain_ = 0; // share of the answer's energy
+  double answer_energy_ = 0, expected_gain_ = 0;
   int generation_ = 0;
 };
 

@@ -83,6 +83,7 @@ BayesianOptions bayesian_options(const FitOptions &options, const Searched &sear
     bayesian.population = options.population;
   bayesian.max_evaluations = options.max_evaluations;
   bayesian.min_gain = options.min_gain;
+  bayesian.min_expected_gain = options.min_expected_gain;
   bayesian.levels = searched.widths > 1 ? searched.widths : 0;
   bayesian.seed = seed;
   constexpr std::uint64_t kShares = 1000; // the sequence is long, not endless

@@ -60,17 +60,18 @@ TEST(SlowBayesian, EndsNearTheMinimumOfANoisyEnergyFromEverySeed) {
   expect_ends_near_the_minimum_from_seeds(3, 10);
 }
 
-TEST(Bayesian, GoesOnWhileItExpectsToGain) {
-  const auto evaluations = [](double min_gain) {
+TEST(Bayesian, GoesOnWhileItGainsOrExpectsToGain) {
+  const auto evaluations = [](double min_gain, double min_expected_gain) {
     BayesianOptions options;
     options.min_gain = min_gain;
-    options.max_evaluations = 256;
+    options.min_expected_gain = min_expected_gain;
+    options.max_evaluations = 288;
     Noisy energy(0.03, 1);
     return evaluations_of(*create_bayesian(5, options), energy);
   };
-  EXPECT_LT(evaluations(1), evaluations(0.01)); // to gain all of it is never expected
-  EXPECT_LT(evaluations(0.01), evaluations(0));
-  EXPECT_EQ(evaluations(0), 256);
+  EXPECT_EQ(evaluations(1e9, 1e9), 224); // four generations after the first that went anywhere in particular
+  EXPECT_EQ(evaluations(1e9, 1e-9), 288);
+  EXPECT_EQ(evaluations(0, 1e9), 288);
 }
 
 TEST(Bayesian, GroupsOfAGenerationShareALevel) {

@@ -25,7 +25,8 @@ struct FitOptions {
   int max_evaluations = 512;
   int population = 0;
   int initial_design_size = 64;
-  double min_gain = 0.005; ///< see BayesianOptions
+  double min_gain = 0.02; ///< see BayesianOptions
+  double min_expected_gain = 0.005;
   double initial_sigma = 0.3;
   double min_deviation = 0.025;
   double stagnation = 0.0; ///< see CmaEsOptions
@@ -56,7 +57,9 @@ struct FitOptions {
                "Number of materials, spread evenly over the box, with which the Bayesian search begins",
                "Three of four do not stretch, as hardly any cloth does; groups of 16 share a width"),
         option(&O::min_gain, "min_gain", at_least(0), "",
-               "The Bayesian search stops when it expects to gain less than this share, twice in a row; 0 = never"),
+               "The Bayesian search stops when four generations have gained less than this share; 0 = never"),
+        option(&O::min_expected_gain, "min_expected_gain", above(0), "",
+               "And when it expects, twice in a row, to gain less than this share; a large number = then at once"),
         option(&O::initial_sigma, "initial_sigma", above(0), "",
                "Standard deviation with which CMA-ES and annealing start, in box units"),
         option(&O::min_deviation, "min_deviation", at_least(0), "",

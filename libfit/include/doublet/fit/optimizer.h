@@ -86,7 +86,8 @@ std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &opti
 struct BayesianOptions {
   int population = 32;
   int max_evaluations = 512;
-  double min_gain = 0.005;
+  double min_gain = 0.02;
+  double min_expected_gain = 0.005;
   int levels = 0;
   std::uint64_t seed = 1;
   MatrixRM first;
@@ -100,7 +101,9 @@ struct BayesianOptions {
         option(&O::max_evaluations, "max_evaluations", at_least(1), "",
                "No generation begins at or beyond this number of evaluations"),
         option(&O::min_gain, "min_gain", at_least(0), "",
-               "The search stops when it expects to gain less than this share of the energy, twice in a row; 0 = never"),
+               "The search stops when four generations have gained less than this share of the energy; 0 = never"),
+        option(&O::min_expected_gain, "min_expected_gain", above(0), "",
+               "And when it expects, twice in a row, to gain less than this share; a large number = then at once"),
         option(&O::levels, "levels", Range{0, 64}, "",
                "Above 1, the last coordinate takes so many evenly spaced values; else it takes any",
                "Groups of 16 samples share a value"),
