@@ -1,3 +1,5 @@
+#include "../../libanimate/src/display/hidden_skin.h"
+
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/garment_penetration.h"
@@ -44,14 +46,14 @@ struct Wearer {
   Mesh high;
 };
 
-Mesh leg() {
+Mesh leg(double x = 0, double radius = 0.1) {
   return tube(
-      {0, 0.1, 0}, {0, kHem - 0.02, 0}, [](double) { return 0.1; }, 20, 24);
+      {x, 0.1, 0}, {x, kHem - 0.02, 0}, [&](double) { return radius; }, 20, 24);
 }
 
 /// A trunk whose lower half is a garment with a mesh of its own; the faces at the seam stay under it. The scan bridges the fold.
-Wearer wearer(double fold = 0, bool with_leg = false) {
-  const Mesh upper = folded_tube(kHem, kTop, 30, 48), trunk = with_leg ? join({upper, leg()}) : upper,
+Wearer wearer(double fold = 0, const Mesh &legs = {}) {
+  const Mesh upper = folded_tube(kHem, kTop, 30, 48), trunk = legs.faces.rows() > 0 ? join({upper, legs}) : upper,
              garment = folded_tube(kHem, kSeam, 14, 36, fold);
   Wearer result;
   RiggedMesh &actor = result.actor;
@@ -74,8 +76,8 @@ Wearer wearer(double fold = 0, bool with_leg = false) {
     cloth.clothness[v] = actor.mesh.vertices(v, 1) < kSeam - 1e-6;
   cloth.rest = actor.mesh.vertices;
   result.high = folded_tube(kHem, kTop, 59, 101); // its triangles and M's have nothing in common
-  if (with_leg)
-    result.high = join({result.high, leg()});
+  if (legs.faces.rows() > 0)
+    result.high = join({result.high, legs});
   return result;
 }
 
@@ -312,7 +314,7 @@ double red_of_legs(Character &c, const Photographs &seen, const TextureOptions &
 
 TEST(DisplaySurface, LegsDoNotTakeTheColourOfAHemThatHungLower) {
   const Photographs seen(0, kHem - 0.06);
-  Character c = character_of(wearer(0, true));
+  Character c = character_of(wearer(0, leg()));
   TextureOptions options;
   options.albedo = false;
   EXPECT_GT(red_of_legs(c, seen, options, 0.03, 0.05), 0.8 * kLeg[2]);
@@ -321,7 +323,7 @@ TEST(DisplaySurface, LegsDoNotTakeTheColourOfAHemThatHungLower) {
 }
 
 TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
-  Character c = character_of(wearer(0, true));
+  Character c = character_of(wearer(0, leg()));
   const Eigen::Vector3d before = c.body_colour;
   const Eigen::Vector3d leg = (kLeg.reverse() / 255).array().pow(2.2);
   for (double shadow : {0.0, 0.06}) {
@@ -334,9 +336,33 @@ TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
   }
 }
 
+TEST(DisplaySurface, EachHiddenThighIsAsItsLegBelowTheHem) {
+  const double kApart = 0.1; // of each leg from the middle
+  Character c = character_of(wearer(0, join({leg(kApart, 0.06), leg(-kApart, 0.06)})));
+  const Eigen::Vector3d bare(130, 160, 210), legging(90, 40, 30); // B G R
+  Image picture(2, 2, 3, 0);
+  TexCoords texcoords(3 * c.high.faces.rows(), 2);
+  for (Eigen::Index f = 0; f < c.high.faces.rows(); ++f) {
+    const int side = c.high.vertices.row(c.high.faces(f, 0)).x() > 0;
+    texcoords.middleRows(3 * f, 3).rowwise() = Eigen::RowVector2d(0.25 + 0.5 * side, 0.25);
+  }
+  for (int k = 0; k < 3; ++k) {
+    picture.at(0, 0, k) = static_cast<std::uint8_t>(bare[k]);
+    picture.at(1, 0, k) = static_cast<std::uint8_t>(legging[k]);
+  }
+  const detail::HiddenSkin skin(c, detail::beyond_free_edges(c), texcoords, picture);
+  ASSERT_TRUE(skin.is_known());
+  for (double above : {-0.05, 0.0, 0.03}) {
+    EXPECT_LT((skin.at({-kApart - 0.06, kHem + above, 0}).colour - bare).norm(), 3) << above;
+    EXPECT_LT((skin.at({kApart + 0.06, kHem + above, 0}).colour - legging).norm(), 3) << above;
+  }
+  EXPECT_LT((skin.at({0, kHem + 0.2, 0}).colour - (bare + legging) / 2).norm(), 3);
+  EXPECT_NEAR(skin.at({kApart + 0.06, kHem - 0.12, 0}).distance, 0.1, 1e-6);
+}
+
 TEST(DisplaySurface, SkinInTheGarmentsShadowGoesOverIntoTheHidden) {
   const Photographs seen(0.1);
-  Character c = character_of(wearer(0, true));
+  Character c = character_of(wearer(0, leg()));
   const auto red = [&](bool albedo, double from, double to) {
     TextureOptions options;
     options.albedo = albedo;
@@ -423,7 +449,7 @@ Character with_body(const Wearer &w) {
 
 TEST(DisplaySurface, WhatIsAroundTheChartsOfHiddenSkinIsItsColour) {
   const Photographs seen(0.1);
-  Character c = with_body(wearer(0, true));
+  Character c = with_body(wearer(0, leg()));
   texture_character(c, c.actor.mesh.vertices, seen.cameras, seen.images);
   const Image texture = decode_image(c.texture);
   const auto at = [&](const Eigen::RowVector2d &uv, int dx, int dy) { // R
@@ -444,7 +470,7 @@ TEST(DisplaySurface, WhatIsAroundTheChartsOfHiddenSkinIsItsColour) {
 }
 
 TEST(DisplaySurface, ScanAndHiddenBodyAreOneClosedSurface) {
-  const Character c = with_body(wearer(0, true));
+  const Character c = with_body(wearer(0, leg()));
   ASSERT_FALSE(c.high_body.empty());
   EXPECT_EQ(std::count(c.body_shown.begin(), c.body_shown.end(), 0), c.body.faces.rows()); // nothing is drawn beside it
   const Eigen::Index skin = c.high.faces.rows() - 14 * 36 * 2 * (1 << (2 * c.garment_subdivisions));
@@ -468,7 +494,7 @@ TEST(DisplaySurface, ScanAndHiddenBodyAreOneClosedSurface) {
 }
 
 TEST(DisplaySurface, SkinOfTheScanGoesUnderAGarmentThatIsNarrowerThanTheLeg) {
-  const Character c = with_body(wearer(0, true));
+  const Character c = with_body(wearer(0, leg()));
   ASSERT_FALSE(c.high_body.empty());
   const Vertices narrow = narrowed(c);
   const DisplaySurface surface(c);
@@ -491,7 +517,7 @@ TEST(DisplaySurface, SkinOfTheScanGoesUnderAGarmentThatIsNarrowerThanTheLeg) {
 }
 
 TEST(DisplaySurface, WhatIsOfAnArmStaysWhereItIsBeforeAGarmentThatIsOfTheTrunk) {
-  Character c = with_body(wearer(0, true));
+  Character c = with_body(wearer(0, leg()));
   c.actor.skeleton = make_skeleton({{"pelvis", "", {0, 1, 0}, {}}, {"l_shoulder", "pelvis", {0, 1.3, 0}, 3}});
   c.actor.weights = MatrixRM::Zero(c.actor.mesh.vertices.rows(), 2);
   for (Eigen::Index v = 0; v < c.actor.weights.rows(); ++v)
@@ -509,7 +535,7 @@ TEST(DisplaySurface, WhatIsOfAnArmStaysWhereItIsBeforeAGarmentThatIsOfTheTrunk) 
 
 /// The valleys of pleats lie in the leg: its triangles neither bridge them nor come out of a pleat's other side.
 TEST(DisplaySurface, SkinGoesStraightInUnderPleats) {
-  const Character c = with_body(wearer(0, true));
+  const Character c = with_body(wearer(0, leg()));
   ASSERT_FALSE(c.high_body.empty());
   Vertices pleated = c.actor.mesh.vertices;
   for (Eigen::Index v = 0; v < pleated.rows(); ++v)
@@ -544,7 +570,7 @@ TEST(DisplaySurface, SkinGoesStraightInUnderPleats) {
 }
 
 TEST(DisplaySurface, SkinIsNotPulledOutUnderAGarmentThatLiesInsideOut) {
-  const Character c = with_body(wearer(0, true));
+  const Character c = with_body(wearer(0, leg()));
   DisplayBuffers buffers;
   Vertices high, none;
   DisplaySurface(c).apply(c.actor.mesh.vertices, high, buffers);
@@ -574,7 +600,7 @@ int before_the_garment(const Character &c, const Vertices &high, const Vertices 
 
 /// In a body that lifts the garment.
 Character with_capsule() {
-  Character c = with_body(wearer(0, true));
+  Character c = with_body(wearer(0, leg()));
   c.proxies = {{0, {0, -0.8, 0}, {0, -0.1, 0}, 0.08, 0.08}};
   return c;
 }
@@ -678,7 +704,7 @@ TEST(DisplaySurface, APlayerDrawsTheSameWithAndWithoutTheBodyBesideIt) {
 
 /// A hip that bulges beside cloth that goes inwards from its seam: nothing of the garment is nearer than the seam.
 TEST(DisplaySurface, TheBodyGoesUnderCloseToTheSeam) {
-  const Character c = with_body(wearer(0, true));
+  const Character c = with_body(wearer(0, leg()));
   Vertices waisted = c.actor.mesh.vertices;
   for (Eigen::Index v = 0; v < waisted.rows(); ++v)
     if (c.segmentation.clothness[v] > 0) {
@@ -702,7 +728,7 @@ TEST(DisplaySurface, TheBodyGoesUnderCloseToTheSeam) {
 
 /// A skirt thrown up over the trunk, as it hangs turned upside down about the seam, its outer side out.
 TEST(DisplaySurface, SkinThatNoGarmentCoversGoesUnderClothThatLiesInIt) {
-  const Character c = with_body(wearer(0, true));
+  const Character c = with_body(wearer(0, leg()));
   const auto thrown_up = [&](double radius) {
     Vertices surface = c.actor.mesh.vertices;
     for (Eigen::Index v = 0; v < surface.rows(); ++v)
@@ -730,7 +756,7 @@ TEST(DisplaySurface, SkinThatNoGarmentCoversGoesUnderClothThatLiesInIt) {
 
 /// A skirt that flares out of the skin like a dish, its outer side up: the waist above it keeps its shape.
 TEST(DisplaySurface, SkinBesideClothThatNoGarmentCoversStays) {
-  const Character c = with_body(wearer(0, true));
+  const Character c = with_body(wearer(0, leg()));
   Vertices dish = c.actor.mesh.vertices;
   for (Eigen::Index v = 0; v < dish.rows(); ++v)
     if (c.segmentation.clothness[v] > 0) {

@@ -1,6 +1,7 @@
 #include "hidden_skin.h"
 
 #include "body_weld.h"
+#include "doublet/core/parts/connected_sets.h"
 #include "doublet/core/parts/quantile.h"
 #include "garment_part.h"
 
@@ -15,6 +16,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kBeside = 0.30, kFar = 0.60; // m from the free edges: where seams are looked for, and what is beside them
+constexpr std::size_t kFewest = 20;           // triangles, of which a colour is known
 
 /// Corners of the edges along which a garment ends free, or hangs.
 struct GarmentEdges {
@@ -37,6 +40,20 @@ double distance_to(const std::vector<Vector3d> &points, const Vector3d &from) {
   return nearest;
 }
 
+/// The median of the brighter half: a shadow only darkens.
+Vector3d lit_colour(std::vector<Vector3d> colours) {
+  std::sort(colours.begin(), colours.end(), [](const Vector3d &a, const Vector3d &b) { return a.sum() > b.sum(); });
+  colours.resize(colours.size() / 2);
+  Vector3d result;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    for (const Vector3d &colour : colours)
+      values.push_back(colour[k]);
+    result[k] = median(values);
+  }
+  return result;
+}
+
 } // namespace
 
 std::vector<double> beyond_free_edges(const Character &c) {
@@ -53,51 +70,86 @@ std::vector<double> beyond_free_edges(const Character &c) {
   return away;
 }
 
-std::vector<double> from_the_seam(const Character &c, const std::vector<double> &away) {
-  constexpr double kBeside = 0.30; // m from the free edges
-  std::vector<Vector3d> seam;
+std::vector<std::vector<Vector3d>> seams_beside(const Character &c, const std::vector<double> &away) {
+  const auto vertices = static_cast<int>(c.high.vertices.rows());
+  Faces faces = valid_faces(c.high.faces, c.high_valid);
+  std::vector<char> on_seam(static_cast<std::size_t>(vertices), 0);
   if (!c.high_body.empty()) {
     const GarmentPart part = garment_part(c);
-    const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
-    for (int v : weld_vertices(c.high.faces.topRows(part.skin_faces), scan))
-      if (away[v] < kBeside)
-        seam.push_back(c.high.vertices.row(v));
+    faces = c.high.faces.topRows(part.skin_faces);
+    for (int v : weld_vertices(faces, part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size())))
+      on_seam[v] = away[v] < kBeside;
   }
-  const EdgeTopology topology = edge_topology(valid_faces(c.high.faces, c.high_valid));
+  const EdgeTopology topology = edge_topology(faces);
   for (std::size_t e = 0; e < topology.edges.size() && c.high_body.empty(); ++e)
-    if (topology.edge_faces[e][1] < 0 && away[topology.edges[e][0]] < kBeside && away[topology.edges[e][1]] < kBeside)
-      seam.push_back(c.high.vertices.row(topology.edges[e][0]));
+    for (int v : topology.edges[e])
+      if (topology.edge_faces[e][1] < 0 && away[v] < kBeside)
+        on_seam[v] = 1;
+  std::vector<std::vector<Vector3d>> seams;
+  for (const std::vector<int> &loop : connected_sets(vertex_neighbours(faces, vertices), on_seam)) {
+    seams.emplace_back();
+    for (int v : loop)
+      seams.back().push_back(c.high.vertices.row(v));
+  }
+  return seams;
+}
+
+std::vector<double> from_the_seam(const Character &c, const std::vector<double> &away) {
   std::vector<double> distance(away.size(), kInfinite);
-  for (std::size_t v = 0; v < away.size(); ++v)
-    if (away[v] < 2 * kBeside)
-      distance[v] = distance_to(seam, c.high.vertices.row(static_cast<Eigen::Index>(v)));
+  for (const std::vector<Vector3d> &seam : seams_beside(c, away))
+    for (std::size_t v = 0; v < away.size(); ++v)
+      if (away[v] < kFar)
+        distance[v] = std::min(distance[v], distance_to(seam, c.high.vertices.row(static_cast<Eigen::Index>(v))));
   return distance;
 }
 
-bool find_hidden_colour(Character &c, const std::vector<double> &away, const TexCoords &texcoords, const Image &image) {
-  constexpr double kReach = 0.20; // m
-  constexpr std::size_t kFewest = 20;
+HiddenSkin::HiddenSkin(Character &c, const std::vector<double> &away, const TexCoords &texcoords, const Image &image) {
+  for (std::vector<Vector3d> &points : seams_beside(c, away))
+    seams_.push_back({std::move(points), Vector3d::Zero()});
+  std::vector<Vector3d> all; // B G R
+  std::vector<std::vector<Vector3d>> beside(seams_.size());
   const std::vector<std::uint8_t> hidden = hidden_faces(c);
-  std::vector<Vector3d> found; // B G R
   for (int f = 0; f < c.high.faces.rows(); ++f) {
+    constexpr double kReach = 0.20; // m
     const double farthest = std::max({away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]});
     if (farthest > kReach || !c.high_valid[f] || hidden[f])
       continue;
     const Eigen::Vector2d at = texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * image.width;
     const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
-    found.emplace_back(image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2));
+    all.emplace_back(image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2));
+    if (!seams_.empty())
+      beside[nearest_seam(c.high.vertices.row(c.high.faces(f, 0)))].push_back(all.back());
   }
-  if (found.size() < kFewest)
-    return false;
-  std::sort(found.begin(), found.end(), [](const Vector3d &a, const Vector3d &b) { return a.sum() > b.sum(); });
-  found.resize(found.size() / 2); // a shadow only darkens
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> values;
-    for (const Vector3d &bgr : found)
-      values.push_back(bgr[k]);
-    c.body_colour[2 - k] = std::pow(median(values) / 255, kGamma);
+  if (!(is_known_ = all.size() >= kFewest))
+    return;
+  colour_ = lit_colour(all);
+  c.body_colour = (colour_ / 255).array().pow(kGamma).matrix().reverse();
+  for (std::size_t k = 0; k < seams_.size(); ++k)
+    seams_[k].colour = beside[k].size() < kFewest ? colour_ : lit_colour(beside[k]);
+}
+
+std::size_t HiddenSkin::nearest_seam(const Vector3d &at) const {
+  std::size_t nearest = 0;
+  for (std::size_t k = 1; k < seams_.size(); ++k)
+    if (distance_to(seams_[k].points, at) < distance_to(seams_[nearest].points, at))
+      nearest = k;
+  return nearest;
+}
+
+HiddenSkin::Here HiddenSkin::at(const Vector3d &point) const {
+  constexpr double kTouches = 1e-3; // m
+  if (seams_.empty())
+    return {kInfinite, colour_};
+  Here here{kInfinite, Vector3d::Zero()};
+  double sum = 0;
+  for (const Seam &seam : seams_) {
+    const double distance = distance_to(seam.points, point), share = std::pow(std::max(distance, kTouches), -4);
+    here.distance = std::min(here.distance, distance);
+    here.colour += share * seam.colour;
+    sum += share;
   }
-  return true;
+  here.colour /= sum;
+  return here;
 }
 
 } // namespace doublet::detail

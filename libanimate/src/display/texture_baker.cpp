@@ -270,20 +270,29 @@ double likeness(const Vector3d &bgr, const Vector3d &skin) {
 
 /// Skin goes over into the hidden body's colour towards the seam where the body goes on; what is darker there is in the
 /// garment's shadow. Where the body is of the same surface, what is not like it (a stocking) goes on there and over into it.
-/// `away` (VH) as of detail::from_the_seam().
-void fade_into_hidden(const Character &c, const std::vector<double> &away, const detail::ChartLayout &layout, Image &image) {
-  constexpr double kReach = 0.10, kWhole = 0.02; // m
-  const Vector3d skin = 255 * c.body_colour.reverse().array().pow(1 / kGamma).matrix();
+/// `away` as of detail::beyond_free_edges().
+void fade_into_hidden(const Character &c, const std::vector<double> &away, const detail::HiddenSkin &skin,
+                      const detail::ChartLayout &layout, Image &image) {
+  constexpr double kFar = 0.60, kReach = 0.10, kWhole = 0.02; // m
   const std::vector<std::uint8_t> hidden = hidden_faces(c);
   for (int f = 0; f < c.high.faces.rows(); ++f) {
-    const Vector3d corners(away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]);
-    if ((!(corners.maxCoeff() < kReach) && !hidden[f]) || !c.high_valid[f])
+    const Eigen::Vector3i corners = c.high.faces.row(f);
+    const bool is_skin = std::max({away[corners[0]], away[corners[1]], away[corners[2]]}) < kFar;
+    if (!c.high_valid[f] || !(is_skin || hidden[f]))
       continue;
+    Vector3d distances;
+    Eigen::Matrix3d colours; // a column a corner
+    for (int k = 0; k < 3; ++k) {
+      const detail::HiddenSkin::Here here = skin.at(c.high.vertices.row(corners[k]));
+      distances[k] = std::min(here.distance, kReach);
+      colours.col(k) = here.colour;
+    }
     detail::for_texels(layout, f, [&](int x, int y, const Vector3d &b) {
       Vector3d colour(image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2));
-      const double near = std::clamp((kReach - b.dot(corners.cwiseMin(kReach))) / (kReach - kWhole), 0.0, 1.0);
-      const double share = near * near * (3 - 2 * near), alike = likeness(colour, skin);
-      colour += (hidden[f] ? 1 - share * (1 - alike) : share * alike) * (skin - colour);
+      const Vector3d expected = colours * b;
+      const double near = std::clamp((kReach - b.dot(distances)) / (kReach - kWhole), 0.0, 1.0);
+      const double share = near * near * (3 - 2 * near), alike = likeness(colour, expected);
+      colour += (hidden[f] ? 1 - share * (1 - alike) : share * alike) * (expected - colour);
       for (int k = 0; k < 3; ++k)
         image.at(x, y, k) = static_cast<std::uint8_t>(std::clamp(colour[k] + 0.5, 0.0, 255.0));
     });
@@ -412,8 +421,9 @@ double texture_character(Character &character, const FilmedSurface &filmed, cons
   auto [image, share] =
       baked_into(layout, character.high, character.high_valid, cameras, drawn, labels_of(character, display), options, context);
   const std::vector<double> away = detail::beyond_free_edges(character);
-  if (detail::find_hidden_colour(character, away, layout.texcoords, image) && options.albedo) {
-    fade_into_hidden(character, detail::from_the_seam(character, away), layout, image);
+  const detail::HiddenSkin skin(character, away, layout.texcoords, image);
+  if (skin.is_known() && options.albedo) {
+    fade_into_hidden(character, away, skin, layout, image);
     detail::fill_between_charts(layout, image); // their borders, too
   }
   character.texcoords = layout.texcoords;
