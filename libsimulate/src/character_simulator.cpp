@@ -317,9 +317,11 @@ void CharacterSimulator::surface(const CharacterState &state, const PosedFrame &
   require_state(state, "CharacterSimulator::surface");
   require_frame(frame, "CharacterSimulator::surface");
   result = frame.skinned;
-  for (std::size_t r = 0; r < regions_.size(); ++r)
-    for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
-      result.row(regions_[r].vertex_from_cloth[i]) = state.regions[r].positions.row(static_cast<Eigen::Index>(i));
+  for (const bool moves : {false, true}) // of regions that touch each has vertices of the other, which hang on the skin there
+    for (std::size_t r = 0; r < regions_.size(); ++r)
+      for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
+        if (const auto row = static_cast<Eigen::Index>(i); (regions_[r].model->inverse_masses()[row] > 0) == moves)
+          result.row(regions_[r].vertex_from_cloth[i]) = state.regions[r].positions.row(row);
 }
 
 void CharacterSimulator::require_frame(const PosedFrame &frame, const char *caller) const {

@@ -48,6 +48,32 @@ TEST(CharacterSimulator, WithoutClothIsSkinning) {
   }
 }
 
+TEST(CharacterSimulator, RegionsThatTouchAreShownWhereTheyAreSimulated) {
+  const RiggedMesh actor = figure_actor(0.05);
+  Segmentation cloth = shins_of(actor);
+  cloth.region_count = 2;
+  for (Eigen::Index v = 0; v < cloth.region.size(); ++v)
+    if (cloth.region[v] == 0 && actor.mesh.vertices(v, 1) < 0.2)
+      cloth.region[v] = 1;
+  const CharacterSimulator simulator(actor, cloth, {});
+  const PosedFrame frame = simulator.pose(Eigen::VectorXd::Zero(actor.skeleton.dof_count()));
+  CharacterState state = simulator.start(frame);
+  for (int r = 0; r < 2; ++r)
+    state.regions[r].positions.array() += 0.01 * (r + 1);
+  const Vertices surface = simulator.surface(state, frame);
+  int shared = 0; // vertices of both
+  for (int r = 0; r < 2; ++r) {
+    const std::vector<int> &vertices = simulator.regions()[r].vertex_from_cloth;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (cloth.region[vertices[i]] == r) {
+        EXPECT_EQ(surface.row(vertices[i]), state.regions[r].positions.row(static_cast<Eigen::Index>(i))) << vertices[i];
+      } else {
+        shared += cloth.region[vertices[i]] == 1 - r;
+      }
+  }
+  EXPECT_GT(shared, 0);
+}
+
 TEST(CharacterSimulator, TheWayInLeadsFromTheRestPoseToThePose) {
   const Skeleton skeleton = figure_actor(0.05).skeleton;
   Eigen::VectorXd dofs = Eigen::VectorXd::Constant(skeleton.dof_count(), 0.3);
