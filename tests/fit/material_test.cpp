@@ -607,6 +607,14 @@ TEST(MaterialObjective, RefusesWhatDoesNotBelongTogether) {
   MaterialObjective objective(*s.simulator, s.performance, s.observations, kDt);
   EXPECT_THROW(objective.evaluate(MatrixRM::Zero(2, 4), {}), std::invalid_argument);
   EXPECT_THROW(objective.energies({{}}, {}), std::invalid_argument);
+  try {
+    objective.surface_terms({});
+    ADD_FAILURE() << "no error";
+  } catch (const std::invalid_argument &error) {
+    EXPECT_STREQ(error.what(),
+                 ("MaterialObjective: surfaces: expected " + std::to_string(s.performance.dofs.rows()) + ", one a frame, found 0")
+                     .c_str());
+  }
 }
 
 TEST(ParameterSpace, MapsTheBoxBothWays) {
