@@ -22,7 +22,7 @@ using fit::EnergyScale;
 constexpr const char *kBayesian = "bayesian";
 constexpr int kGroup = 16;                   // samples that share a level: what fills the widest registers
 constexpr int kDraws = 64;                   // functions
-constexpr int kCandidates = 600;             // points at which a function is drawn
+constexpr int kCandidates = 600;             // points at which a function is drawn; as many as a larger generation takes
 constexpr int kAround = 8;                   // of the lowest samples, around which most candidates lie
 constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' parameters
 constexpr std::size_t kSettled = 4;          // generations in which nothing was found ...
@@ -196,8 +196,8 @@ private:
   /// Most around the lowest samples, at all distances, along some of the axes: often on the faces of the box, where minima are.
   MatrixRM candidates() {
     const std::vector<int> lowest = lowest_samples();
-    MatrixRM points(kCandidates, n_);
-    for (int i = 0; i < kCandidates; ++i) {
+    MatrixRM points(std::max(kCandidates, options_.population), n_);
+    for (int i = 0; i < points.rows(); ++i) {
       Eigen::RowVectorXd point(n_);
       if (i % 3 == 0)
         point = everywhere();

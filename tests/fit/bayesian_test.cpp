@@ -109,6 +109,15 @@ TEST(Bayesian, GoesOnToTheSameBits) {
   EXPECT_THROW(create_bayesian(4, options)->restore(whole->save()), std::runtime_error);
 }
 
+TEST(Bayesian, AGenerationIsAsLargeAsItIsAskedToBe) {
+  BayesianOptions options;
+  options.population = 640;
+  options.first = even_points(8, 2);
+  const auto search = create_bayesian(2, options);
+  one_generation(*search, sphere_function);
+  EXPECT_EQ(search->ask().rows(), 640);
+}
+
 TEST(Bayesian, HowLowTheEnergiesAreDoesNotMatter) {
   const auto answer = [](double offset, double unit) {
     BayesianOptions options;
