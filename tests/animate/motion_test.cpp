@@ -178,6 +178,26 @@ TEST(Bvh, PositionChannelsReplaceOrAddToTheOffset) {
   EXPECT_TRUE(parse_bvh(adds, "a").positions[1].row(1).isApprox(Eigen::RowVector3d(0, 11, 1), 1e-12));
 }
 
+TEST(Bvh, WhoLiesLowIsNotTakenForOneWhosePlaceIsAddedToTheOffset) {
+  const TempFolder folder;
+  const Skeleton skeleton = figure_skeleton();
+  MatrixRM lying = marching(skeleton, 20, 40);
+  lying.col(1).array() += 0.2 - skeleton.joints[0].rest.y(); // face down, 20 cm over the floor
+  lying.col(4).setConstant(M_PI / 2);
+  write_bvh(folder / "lying.bvh", skeleton, {40, lying}); // the root's OFFSET is its place in the rest pose
+  const SourceMotion clip = read_motion_file(folder / "lying.bvh");
+  for (int t = 0; t < 20; ++t)
+    EXPECT_LT((clip.positions[t].row(0) - joint_positions(skeleton, forward_kinematics(skeleton, lying.row(t))).row(0)).norm(),
+              1e-5);
+  const Motion motion = retarget(clip, skeleton, alone());
+  const Vertices joints = joint_positions(skeleton, forward_kinematics(skeleton, motion.dofs.row(19)));
+  EXPECT_LT(joints.row(skeleton.find("chest")).y() - joints.row(skeleton.find("l_hip")).y(), 0.1); // nor set upright
+  // What stands at 0, its lowest joint as far below: added.
+  std::string stands = replaced(kTwoBones, "1 2 3 90 0 0 0 90 0", "0 0 0 0 0 0 0 0 0");
+  stands = replaced(replaced(stands, "OFFSET 0 10 0", "OFFSET 0 -10 0"), "OFFSET 0 0 0", "OFFSET 0 10 0");
+  EXPECT_TRUE(parse_bvh(stands, "a").positions[0].row(0).isApprox(Eigen::RowVector3d(0, 10, 0), 1e-12));
+}
+
 TEST(Bvh, BrokenFilesNameTheLine) {
   expect_error("", "0");
   expect_error("ROOT Hips\n", "1");

@@ -1,5 +1,6 @@
 #include "doublet/animate/motion_file.h"
 #include "doublet/core/parts/number_text.h"
+#include "doublet/core/parts/quantile.h"
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
 #include "line_reader.h"
@@ -144,8 +145,8 @@ MatrixRM read_values(LineReader &reader, const Hierarchy &hierarchy, const std::
   return Eigen::Map<const MatrixRM>(values.data(), rows, channels);
 }
 
-/// Are this joint's position channels added to its OFFSET? Most programs replace it; then their values lie around the OFFSET, not
-/// around 0.
+/// Are the position channels of a joint that hangs on another added to its OFFSET? Most programs replace it; then their values
+/// lie around the OFFSET, not around 0.
 bool added_to_offset(const Vector3d &offset, std::vector<Vector3d> positions) {
   if (offset.squaredNorm() == 0)
     return false;
@@ -158,7 +159,7 @@ bool added_to_offset(const Vector3d &offset, std::vector<Vector3d> positions) {
 
 std::vector<bool> find_added(const Hierarchy &hierarchy, const MatrixRM &values) {
   std::vector<bool> added(hierarchy.joints.size(), false);
-  for (std::size_t j = 0; j < added.size(); ++j) {
+  for (std::size_t j = 1; j < added.size(); ++j) {
     std::vector<Vector3d> positions(values.rows(), hierarchy.joints[j].offset);
     bool any = false;
     for (std::size_t c = 0; c < hierarchy.channels.size(); ++c) {
@@ -196,6 +197,23 @@ void pose_frame(const Hierarchy &hierarchy, const std::vector<bool> &added, cons
     positions.row(j) = p < 0 ? local[j] : Vector3d(positions.row(p).transpose() + rotations[p] * local[j]);
     rotations[j] = (p < 0 ? turn[j] : rotations[p] * turn[j]).normalized();
   }
+}
+
+/// Moves the body by the root's OFFSET if the root's position channels are added to that. Its values do not tell: of who lies
+/// they are as small. But then the body hangs below the floor, and the lowest joint as deep as the OFFSET is high.
+void add_root_offset(const Hierarchy &hierarchy, std::vector<Vertices> &positions) {
+  Vector3d offset = Vector3d::Zero(); // along axes with a channel
+  for (const Channel &channel : hierarchy.channels)
+    if (channel.joint == 0 && !channel.rotation)
+      offset[channel.axis] = hierarchy.joints[0].offset[channel.axis];
+  if (offset.squaredNorm() == 0)
+    return;
+  std::vector<double> lowest; // in lengths of the OFFSET
+  for (const Vertices &frame : positions)
+    lowest.push_back((frame * offset).minCoeff() / offset.squaredNorm());
+  if (median(lowest) < -0.5)
+    for (Vertices &frame : positions)
+      frame.rowwise() += offset.transpose();
 }
 
 // --- writing
@@ -287,6 +305,7 @@ SourceMotion parse_bvh(const std::string &text, const std::string &source) {
   clip.rotations.resize(values.rows());
   for (Eigen::Index t = 0; t < values.rows(); ++t)
     pose_frame(hierarchy, added, values.row(t), clip.positions[t], clip.rotations[t]);
+  add_root_offset(hierarchy, clip.positions);
   return clip;
 }
 
