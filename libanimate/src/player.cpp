@@ -468,6 +468,10 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
       throw std::invalid_argument("step_players: expected copies of one player, found player " + std::to_string(i) +
                                   " of another character");
     require_pose(shared.character, dofs[i]);
+    const std::size_t proxies = players[i]->proxies().size(), first = players[0]->proxies().size();
+    if (proxies != first)
+      throw std::invalid_argument("step_players: expected as many proxies of every player, found " + std::to_string(proxies) +
+                                  " of player " + std::to_string(i) + " and " + std::to_string(first) + " of the first");
   }
   const Cut cut = cut_step(shared.character.solver, seconds);
   Context context;

@@ -322,6 +322,15 @@ TEST(Player, WrongInputIsRefusedAndChangesNothing) {
   const std::vector<Eigen::VectorXd> poses{dofs.row(1), dofs.row(1)};
   EXPECT_THROW(step_players(strangers, poses, 0.025), std::invalid_argument);
   EXPECT_THROW(step_players(twice, poses, 0.025), std::invalid_argument);
+  Player bare = player;
+  bare.set_proxies({});
+  std::vector<Player *> unlike{&player, &bare};
+  try {
+    step_players(unlike, poses, 0.025);
+    ADD_FAILURE() << "expected an error";
+  } catch (const std::invalid_argument &error) {
+    EXPECT_NE(std::string(error.what()).find("found 0 of player 1 and "), std::string::npos) << error.what();
+  }
   EXPECT_EQ(player.step(dofs.row(1)).surface, untouched.step(dofs.row(1)).surface);
 }
 

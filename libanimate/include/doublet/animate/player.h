@@ -117,9 +117,9 @@ private:
 };
 
 /// player.step(dofs, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to
-/// `threads` threads, with the same bits. Throws std::invalid_argument unless all are copies of one, there is a pose for each and
-/// none is there twice; Error naming the first whose cloth came out not finite, after the others have been stepped: that one
-/// stays where it last was.
+/// `threads` threads, with the same bits. Throws std::invalid_argument unless all are copies of one with as many proxies, there
+/// is a pose for each and none is there twice; Error naming the first whose cloth came out not finite, after the others have been
+/// stepped: that one stays where it last was.
 void step_players(std::span<Player *const> players, std::span<const Eigen::VectorXd> dofs, double seconds, int threads = 1);
 
 } // namespace doublet
