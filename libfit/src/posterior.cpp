@@ -20,6 +20,7 @@ constexpr int kLargest = 512;        // samples of the process, the lowest
 constexpr int kThinning = 4;         // rounds from draw to draw
 constexpr int kBurnIn = 20;          // rounds
 constexpr double kShare = 0.9;       // of the draws, inside the interval
+constexpr double kAtBound = 0.02;    // of the box: what is farther from its bound is not at it
 
 /// The lowest energies and their samples.
 std::pair<MatrixRM, Eigen::VectorXd> lowest(const MatrixRM &samples, const Eigen::VectorXd &energies) {
@@ -93,7 +94,7 @@ private:
 MatrixRM intervals(const MatrixRM &draws) {
   const Eigen::Index count = draws.rows(),
                      inside = std::min<Eigen::Index>(count, std::lround(kShare * static_cast<double>(count)) + 1);
-  const double apart = 5.0 / static_cast<double>(count);
+  const double apart = std::min(5.0 / static_cast<double>(count), kAtBound); // few draws do not make the box small
   MatrixRM result(draws.cols(), 2);
   for (Eigen::Index j = 0; j < draws.cols(); ++j) {
     Eigen::VectorXd sorted = draws.col(j);

@@ -206,6 +206,21 @@ TEST(Posterior, OfAQuadraticIsNormal) {
   EXPECT_NEAR(posterior.correlation(0, 0), 1, 1e-9);
 }
 
+TEST(Posterior, FewDrawsAreInsideTheBoxToo) {
+  const MatrixRM samples = even_points(200, 2);
+  Eigen::VectorXd energies(samples.rows());
+  for (Eigen::Index i = 0; i < samples.rows(); ++i)
+    energies[i] = 10 + 5000 * (samples.row(i) - Eigen::RowVector2d(0.5, 0.4)).squaredNorm();
+  PosteriorOptions options;
+  options.noise = 1;
+  for (const int draws : {1, 5, 10}) {
+    options.draws = draws;
+    const Posterior posterior = posterior_of(samples, energies, options);
+    EXPECT_GT(posterior.interval.col(0).minCoeff(), 0.2) << draws;
+    EXPECT_LT(posterior.interval.col(1).maxCoeff(), 0.8) << draws;
+  }
+}
+
 TEST(Posterior, TellsWhatMakesUpForWhat) {
   const MatrixRM samples = even_points(200, 2);
   Eigen::VectorXd energies(samples.rows());
