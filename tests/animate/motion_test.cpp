@@ -501,6 +501,19 @@ TEST(Retarget, OneJointPlaysOnePart) {
   EXPECT_EQ(message({{"l_hand", "l_wrist"}, {"l_toe", ""}}), "no error");
 }
 
+TEST(Retarget, ATrunkOfOneJointStaysUpright) {
+  const Skeleton skeleton = figure_skeleton();
+  const SourceMotion clip = parse_bvh(figure_bvh(skeleton, marching(skeleton, 20, 40), 100, 40), "a.bvh");
+  RetargetOptions one = alone();
+  one.joint_names = {{"chest", "pelvis"}, {"spine", ""}};
+  const Motion motion = retarget(clip, skeleton, one);
+  for (int t = 0; t < 20; ++t) {
+    const Vertices joints = joint_positions(skeleton, forward_kinematics(skeleton, motion.dofs.row(t)));
+    const Eigen::RowVector3d trunk = joints.row(skeleton.find("chest")) - joints.row(skeleton.find("pelvis"));
+    EXPECT_GT(trunk.y(), 0.95 * trunk.norm()) << t;
+  }
+}
+
 TEST(Retarget, NamesOfTheField) {
   const Skeleton skeleton = figure_skeleton();
   const std::string own = figure_bvh(skeleton, marching(skeleton, 4, 40), 1, 40);

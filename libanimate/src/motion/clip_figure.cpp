@@ -19,6 +19,13 @@ ClipFigure::ClipFigure(const SourceMotion &clip, std::map<std::string, int> foun
   up = up_of_world();
 }
 
+Vector3d ClipFigure::zero_trunk() const {
+  constexpr double kNoWay = 0.01; // of the way from hips to shoulders: it has no direction
+  const Vector3d trunk = zero("chest") - zero("pelvis"),
+                 whole = 0.5 * (zero("l_shoulder") + zero("r_shoulder") - zero("l_hip") - zero("r_hip"));
+  return trunk.norm() > kNoWay * whole.norm() ? trunk : whole;
+}
+
 bool ClipFigure::leans() const {
   const Vector3d trunk = zero_trunk().normalized(), left = (zero("l_hip") - zero("r_hip")).normalized();
   const bool human = trunk.norm() > 0 && left.norm() > 0 && std::abs(trunk.dot(left)) < 0.35;

@@ -15,8 +15,8 @@ public:
 
   Eigen::Vector3d at(const std::string &part, int t) const { return clip_.positions[t].row(joints.at(part)); }
   Eigen::Vector3d zero(const std::string &part) const { return zero_.row(joints.at(part)); }
-  Eigen::Vector3d zero_trunk() const { return zero("chest") - zero("pelvis"); }
-  double leg_length() const; ///< mean of both, over the clip
+  Eigen::Vector3d zero_trunk() const; ///< from the pelvis to the chest; of a trunk of one joint, from hips to shoulders
+  double leg_length() const;          ///< mean of both, over the clip
 
   std::map<std::string, int> joints;
   Eigen::Vector3d zero_up; ///< axis along which the trunk stands in the zero pose
