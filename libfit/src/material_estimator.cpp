@@ -512,6 +512,8 @@ FitResult FitResult::at_positions(const std::vector<double> &positions) const {
   require(static_cast<int>(positions.size()) == widths, "FitResult::at_positions: expected " + std::to_string(widths) +
                                                             " positions, found " + std::to_string(positions.size()));
   FitResult result = *this;
+  if (widths > 1)
+    result.width_positions = positions;
   for (RegionFit &region : result.regions)
     if (widths > 1)
       region.width = positions[static_cast<std::size_t>(region.width)];

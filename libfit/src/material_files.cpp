@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace doublet {
@@ -15,12 +16,22 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 2; // 1: some of the solver's settings
 
-/// What belongs to one parameter of those searched, by name; of the width an index, 0 = the widest.
+/// Of a width at `unit` from the first (0) to the last (1): its position among those of the garment, 0 = the widest.
+double width_position(const FitResult &result, double unit) {
+  const double at = unit * (result.widths - 1);
+  if (result.width_positions.empty())
+    return at;
+  const auto below = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(result.widths - 1)));
+  const std::size_t above = std::min(below + 1, result.width_positions.size() - 1);
+  return std::lerp(result.width_positions[below], result.width_positions[above], at - static_cast<double>(below));
+}
+
+/// What belongs to one parameter of those searched, by name; of the width its position.
 struct Named {
   const FitResult &result;
   double value(const RegionFit &region, Eigen::Index i, double unit) const {
     if (i == result.space.size())
-      return unit * (result.widths - 1);
+      return width_position(result, unit);
     Eigen::VectorXd point = region.answer.head(result.space.size());
     point[i] = unit;
     const pbd::Material material = result.space.material(point);

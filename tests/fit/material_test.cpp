@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -998,6 +999,34 @@ TEST(MaterialFiles, AreReadBack) {
   result.regions[0].material.d_n = 99;
   write_materials(folder / "material.json", result);
   EXPECT_THROW(read_materials(folder / "material.json"), Error);
+}
+
+TEST(MaterialFiles, TheIntervalOfAWidthIsThatOfItsPositions) {
+  FitResult result;
+  result.space.names = {"d_n"};
+  result.widths = 3;
+  RegionFit region;
+  region.material = cotton();
+  region.width = 2;
+  region.answer = Eigen::Vector2d(0.35, 1);
+  region.deviations = Eigen::Vector2d(0.1, 0.1);
+  region.posterior.draws = MatrixRM::Constant(2, 2, 0.5);
+  region.posterior.interval.resize(2, 2);
+  region.posterior.interval << 0.2, 0.3, 0.25, 1;
+  region.posterior.correlation = Eigen::MatrixXd::Identity(2, 2);
+  result.regions = {region};
+  const TempFolder folder;
+  const auto numbers_behind = [&](const FitResult &fit, const std::string &key) {
+    write_materials(folder / "material.json", fit);
+    std::string text = read_text(folder / "material.json");
+    text = text.substr(text.find(key) + key.size());
+    std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
+    return text.substr(0, text.find(']') + 1);
+  };
+  EXPECT_EQ(numbers_behind(result, "\"width\": ["), "0.5,2.0]");
+  const FitResult placed = result.at_positions({3.5, 4.25, 5});
+  EXPECT_EQ(placed.chosen_widths(), std::vector<double>{5});
+  EXPECT_EQ(numbers_behind(placed, "\"width\": ["), "3.875,5.0]");
 }
 
 TEST(SimulatedFile, IsReadBack) {

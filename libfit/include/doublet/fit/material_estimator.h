@@ -137,6 +137,8 @@ struct RegionFit {
 struct FitResult {
   ParameterSpace space; ///< that was searched
   int widths = 1;       ///< that the garment offered
+  /// (widths) where they are among those of garment.npz, see at_positions(); empty = they are those, in their order.
+  std::vector<double> width_positions;
   std::vector<RegionFit> regions;
   std::vector<GenerationRow> log; ///< part = region; of several searches the one whose answer is taken
   std::uint64_t seed = 0;
