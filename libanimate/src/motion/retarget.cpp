@@ -65,11 +65,10 @@ public:
     for (const Joint &joint : skeleton.joints)
       rest_.push_back(joint.rest);
     require_bones();
+    scale_ = leg_length_target() / figure_.leg_length(); // once: the clip's legs are measured in all of its frames
     align_worlds();
     align_bones();
   }
-
-  double scale() const { return leg_length_target() / figure_.leg_length(); }
 
   std::vector<Quaterniond> rotations(int t) const {
     std::vector<Quaterniond> result(skeleton_.joint_count(), Quaterniond::Identity());
@@ -99,7 +98,7 @@ public:
     const Vector3d hips = 0.5 * (figure_.at("l_hip", t) + figure_.at("r_hip", t));
     const Vector3d rest_hips = 0.5 * (target_rest("l_hip") + target_rest("r_hip"));
     const Vector3d root = skeleton_.joints[0].rest;
-    return scale() * (world_ * hips) - bone_rotation("pelvis", t) * (rest_hips - root);
+    return scale_ * (world_ * hips) - bone_rotation("pelvis", t) * (rest_hips - root);
   }
 
   /// Turns and moves the clip so that frame t faces as the rest pose does.
@@ -324,6 +323,7 @@ private:
   ClipFigure figure_;
   Names target_;
   std::vector<Vector3d> rest_;
+  double scale_ = 1; ///< our legs to the clip's
   Matrix3d target_frame_, from_zero_, world_;
   std::map<std::string, Matrix3d> bones_;
 };
