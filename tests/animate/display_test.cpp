@@ -423,6 +423,26 @@ TEST(BakedFile, PrincipalShapesKeepTheError) {
   EXPECT_EQ(count(glb_json(folder / "few.glb"), "\"rms_error\""), 2u);
 }
 
+TEST(SlowBakedFile, ALongClipKeepsTheError) {
+  const TempFolder folder;
+  const Character c = figure_character();
+  const AnimationResult played = animate(c, {40, marching(c.actor.skeleton, 41, 40)});
+  for (const int frames : {2400, 4800}) { // from the shapes of all keys, and from those of some
+    AnimationResult clip;
+    clip.fps = played.fps;
+    clip.dofs.resize(frames, played.dofs.cols());
+    for (int t = 0; t < frames; ++t) {
+      clip.dofs.row(t) = played.dofs.row(t % 41);
+      clip.joints.push_back(played.joints[t % 41]);
+      clip.surface.push_back(played.surface[t % 41]);
+      clip.surface.back().col(1) += 0.01 * std::sin(0.02 * t) * played.surface[0].col(0); // no two alike
+    }
+    const BakedGlbSummary summary = write_baked_glb(folder / "long.glb", c, clip);
+    EXPECT_EQ(summary.keys, frames);
+    EXPECT_LT(summary.meshes[0].rms_error, 1e-3);
+  }
+}
+
 TEST(BakedFile, OneFrameHasNoShapes) {
   const TempFolder folder;
   const Character c = figure_character();

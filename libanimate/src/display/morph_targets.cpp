@@ -1,6 +1,7 @@
 #include "morph_targets.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,8 @@ namespace {
 
 constexpr int kByte = 127; ///< 1 in normalised bytes
 constexpr int kBatch = 32; ///< frames that are in work at a time
+/// Of which principal components are found, a minute's at 40 a second: what that takes grows with the cube of their number.
+constexpr Eigen::Index kMostShapes = 2400;
 
 using Eigen::Index;
 
@@ -126,6 +129,36 @@ Components principal_components(const FloatRows &centred, const Eigen::RowVector
   return components;
 }
 
+/// The same of a clip so long that this would take hours: the components of some of its shapes, and how much of each there is in
+/// all of them.
+Components components_of_many(const FloatRows &centred, const Eigen::RowVectorXf &scale, double max_square, int max_count) {
+  constexpr double kBetween = 0.5; // of the square: shapes between those that are looked at leave a little more
+  const Index step = (centred.rows() + kMostShapes - 1) / kMostShapes, count = (centred.rows() + step - 1) / step;
+  FloatRows some(count, centred.cols());
+  for (Index i = 0; i < count; ++i)
+    some.row(i) = centred.row(i * step);
+  const double share = static_cast<double>(count) / static_cast<double>(centred.rows());
+  const Eigen::MatrixXf few = principal_components(some, scale, kBetween * share * max_square, max_count).weights;
+  Components components;
+  components.left = Eigen::VectorXd::Zero(few.cols() + 1);
+  for (Index key = 0; key < centred.rows(); ++key)
+    components.left[0] += centred.row(key).cwiseProduct(scale).cast<double>().squaredNorm();
+  components.weights.resize(centred.rows(), few.cols());
+  if (few.cols() == 0)
+    return components;
+  FloatRows shapes = few.transpose() * some;
+  shapes.array().rowwise() *= scale.array().square();
+  const Eigen::MatrixXf shares = centred * shapes.transpose();
+  const Eigen::HouseholderQR<Eigen::MatrixXf> orthonormal(shares);
+  components.weights = orthonormal.householderQ() * Eigen::MatrixXf::Identity(shares.rows(), shares.cols());
+  const FloatRows taken = components.weights.transpose() * centred;
+  for (Index i = 0; i < taken.rows(); ++i) {
+    const double square = taken.row(i).cwiseProduct(scale).cast<double>().squaredNorm();
+    components.left[i + 1] = std::max(0.0, components.left[i] - square);
+  }
+  return components;
+}
+
 /// In whole steps, as 16 bits have them.
 FloatRows rounded_steps(const FloatRows &steps, double step) {
   return (steps / static_cast<float>(step)).array().round().cwiseMin(kMostSteps).cwiseMax(-kMostSteps);
@@ -176,7 +209,8 @@ Eigen::MatrixXf set_principal_steps(PrincipalTargets &targets, const FloatRows &
                                     double max_error, double step, int max_targets) {
   constexpr double kBesideRounding = 0.75; // of the square; what rounding takes is known when there are shapes
   const double max_square = max_error * max_error * static_cast<double>(centred.size()) / 3;
-  const Components components = principal_components(centred, scale, kBesideRounding * max_square, max_targets);
+  const auto found = centred.rows() > kMostShapes ? &components_of_many : &principal_components;
+  const Components components = found(centred, scale, kBesideRounding * max_square, max_targets);
   const Eigen::RowVectorXf least = components.weights.colwise().minCoeff();
   const Eigen::RowVectorXf range = components.weights.colwise().maxCoeff() - least;
   targets.steps = range.asDiagonal() * (components.weights.transpose() * centred);

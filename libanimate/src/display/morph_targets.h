@@ -22,9 +22,9 @@ struct MorphTargets {
 /// A target a key, exact; the mesh's own are the first key's.
 MorphTargets key_shapes(const BoundMesh &mesh, const std::vector<int> &keys, const Context &context);
 
-/// As many principal components of the shapes at the keys as leave an error of `max_error` m (RMS over keys and vertices), what
-/// rounding adds included; at most `max_targets` - 1, and one target that is always there. The mesh's own vertices are the mean.
-/// Normals are those that go best with the weights of the shapes.
+/// As many principal components of the shapes at the keys (of many keys: about those, found in some of them) as leave an error of
+/// `max_error` m (RMS over keys and vertices), what rounding adds included; at most `max_targets` - 1, and one target that is
+/// always there. The mesh's own vertices are the mean. Normals are those that go best with the weights of the shapes.
 MorphTargets principal_shapes(const BoundMesh &mesh, const std::vector<int> &keys, double max_error, int max_targets,
                               const Context &context);
 
