@@ -443,6 +443,15 @@ def test_a_bone_map_is_what_was_guessed(folder, character):
     np.testing.assert_array_equal(guessed, read)
 
 
+def test_a_bone_map_is_written_from_the_one_that_is_there(folder):
+    (folder / "own.toml").write_text('[joints]\nneck = ""\nl_hip = "r_hip"\nr_hip = "l_hip"\n')
+    command = ["animate", str(folder / "c.glb"), str(folder / "walk.bvh"), "--bone-map", str(folder / "own.toml")]
+    assert cli.main([*command, "--write-bone-map", str(folder / "map.toml"), "--retarget-joint-names", "head="]) == 0
+    text = (folder / "map.toml").read_text()
+    assert re.search(r'^l_hip = "r_hip" +# given$', text, re.MULTILINE)
+    assert all(re.search(rf'^{part} = "" +# not found$', text, re.MULTILINE) for part in ("neck", "head"))
+
+
 def renamed(text):
     """A clip whose names nobody guesses."""
     numbers = {}

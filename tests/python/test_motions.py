@@ -6,7 +6,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet.export.clips import JOINTS, read_motion, read_smpl_motion
+from doublet.export.clips import JOINTS, read_clip, read_motion, read_smpl_motion
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World  # noqa: E402
@@ -167,3 +167,13 @@ def test_feet_are_planted_by_retargeting_and_not_on_request(tmp_path):
     slid = [np.ptp([skeleton.joint_positions(dofs)[ball, 0] for dofs in m.dofs]) for m in (off, on)]
     assert slid[0] > 0.04
     assert slid[1] < 0.003  # the mark is above the sole, which is what stands
+
+
+def test_poses_of_the_character_are_one_animation_and_have_no_bones_of_their_own(world, tmp_path):
+    path = tmp_path / "performance.npz"
+    np.savez(path, dofs=np.zeros((FRAMES, len(world.skeleton.dof_names))))
+    assert len(read_motion(path, world.character, d.RetargetOptions())) == FRAMES
+    with pytest.raises(ValueError, match=r"performance\.npz: expected a \.glb or \.fbx, which .*, to choose 'dance' of"):
+        read_motion(path, world.character, d.RetargetOptions(), animation="dance")
+    with pytest.raises(ValueError, match=r"performance\.npz: expected a clip on bones of its own, found poses of a character's"):
+        read_clip(path)

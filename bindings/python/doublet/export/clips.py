@@ -51,6 +51,7 @@ RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 MOST_LIKELY_FPS = 1000  # nobody films people faster
 MOST_LIKELY_SPEED = 15  # m/s, nobody runs faster
 AMASS_RATES = RATES[:2]  # its world has +Z up
+ONE_OF_SEVERAL = "expected a .glb or .fbx, which can have several animations, to choose '{}' of"
 
 
 def at_own_rate(motion: d.Motion, character: d.Character) -> d.Motion:
@@ -83,6 +84,8 @@ def read_motion(
         return d.retarget(clip, character.actor.skeleton, retargeting, context)
     if bone_map:
         raise ValueError(f"{path}: expected a clip on bones of its own for a bone map, found poses of the character's skeleton")
+    if animation:
+        raise ValueError(f"{path}: {ONE_OF_SEVERAL.format(animation)}")
     dofs, fps = own
     expected = len(character.actor.skeleton.dof_names)
     if dofs.ndim != 2 or dofs.shape[1] != expected or not len(dofs) or not np.isfinite(dofs).all():
@@ -124,7 +127,7 @@ def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
     if path.suffix != ".npz":
         return d.SourceMotion.read(path, animation=animation)
     if animation:
-        raise ValueError(f"{path}: expected a .glb or .fbx, which can have several animations, to choose '{animation}' of")
+        raise ValueError(f"{path}: {ONE_OF_SEVERAL.format(animation)}")
     return read_smpl_motion(path)
 
 
@@ -173,6 +176,8 @@ def upright_from(up: np.ndarray) -> np.ndarray:
 def rotations_of(path: Path, file) -> np.ndarray:
     """(T, 22, 4) quaternions of each joint from its parent."""
     names = next((group for group in POSES if all(name in file for name in group)), None)
+    if names is None and "dofs" in file:
+        raise ValueError(f"{path}: expected a clip on bones of its own, found poses of a character's skeleton, 'dofs'")
     if names is None:
         expected = ", or ".join(" and ".join(f"'{name}'" for name in group) for group in POSES)
         raise ValueError(f"{path}: expected a performance with 'dofs', or {expected}, found {', '.join(file) or 'nothing'}")

@@ -57,9 +57,9 @@ def register(commands) -> None:
 def run(arguments) -> None:
     options = chosen_options(arguments, ANIMATE_GROUPS)
     if arguments.write_bone_map:
-        bone_map.write(
-            arguments.write_bone_map, read_clip(arguments.motion, arguments.animation), options["retarget"].joint_names
-        )
+        clip = read_clip(arguments.motion, arguments.animation)
+        known = bone_map.read(arguments.bone_map, clip) if arguments.bone_map else {}
+        bone_map.write(arguments.write_bone_map, clip, {**known, **options["retarget"].joint_names})
         print(arguments.write_bone_map)
         return
     if not arguments.out:
