@@ -577,6 +577,18 @@ def test_force_keeps_the_old_one_until_the_new_one_is_whole(home, capsys):
     assert d.Session(home / "new").frame_count == 7
 
 
+def test_files_inside_of_the_new_session_stay_whatever_it_is_called(home, capsys, monkeypatch):
+    """In their place it would come, and they would be gone."""
+    call(home, "--sync", "none", "--copy")
+    (home / "link").symlink_to("new")
+    monkeypatch.chdir(home / "new")
+    for out in (home / "new", home / "link", "../new", "."):
+        given = ["videos", "--calibration", "calibration.yml", "--sync", "none", "--frames", "3", "--force"]
+        assert main(["new-session", *given, "-o", str(out), "--quiet"]) == 1
+        assert "expected files outside of the new session" in capsys.readouterr().err
+    assert d.Session(home / "new").frame_count == 120
+
+
 def test_check_of_masks_that_show_nothing(home, world, capsys):
     """Found by `check`, in words."""
     for c, masks in enumerate(world.masks):

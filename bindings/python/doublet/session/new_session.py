@@ -72,9 +72,9 @@ def require_inputs(request: Request) -> None:
 
 
 def refuse_existing(request: Request) -> None:
-    out = request.out.absolute()
+    out = request.out.resolve()  # what is written replaces it, whatever it is called
     for path in inputs(request):
-        if path.absolute().is_relative_to(out):
+        if any(place.is_relative_to(out) for place in (path.resolve(), path.parent.resolve() / path.name)):
             raise ValueError(
                 f"{path}: expected files outside of the new session {request.out}, found one inside; choose another folder"
             )
