@@ -182,6 +182,49 @@ def test_a_link_to_a_folder_stays_and_that_folder_is_replaced(tmp_path):
     ]
 
 
+def test_a_folder_that_is_there_stays_the_same_one(tmp_path, monkeypatch):
+    """A disk may be mounted on it, which nobody can rename, or somebody stand in it."""
+    folder = tmp_path / "session"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    number = folder.stat().st_ino
+    for round in ("first", "second"):
+        with folder_written_atomically(Path()) as beside:
+            write_json(beside / f"{round}.json", round)
+            (beside / "videos").mkdir()
+        assert folder.stat().st_ino == number and [p.name for p in tmp_path.iterdir()] == ["session"]
+        assert sorted(p.name for p in Path.cwd().iterdir()) == [f"{round}.json", "videos"]
+
+
+def test_what_was_in_a_folder_stays_if_another_content_cannot_come(tmp_path, monkeypatch):
+    folder, move = tmp_path / "session", Path.replace
+    folder.mkdir()
+    for name in ("a", "b"):
+        write_json(folder / name, "old")
+
+    def fail(path, target):
+        if path.name == "y":
+            raise KeyboardInterrupt
+        return move(path, target)
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(KeyboardInterrupt), folder_written_atomically(folder) as beside:
+        for name in ("a", "x", "y", "z"):
+            (beside / name).write_text("new", encoding="utf-8")
+    assert sorted(p.name for p in folder.iterdir()) == ["a", "b"] and (folder / "a").read_text(encoding="utf-8") == '"old"\n'
+
+
+def test_a_folder_of_one_that_was_killed_is_in_nobody_s_way(tmp_path):
+    """In a container every process has the same number."""
+    left = tmp_path / f".session.{os.getpid()}.part"
+    left.mkdir()
+    (left / "half").write_text("", encoding="utf-8")
+    with folder_written_atomically(tmp_path / "session") as beside:
+        write_json(beside / "whole", 1)
+    assert [p.name for p in tmp_path.iterdir()] == ["session"]
+    assert [p.name for p in (tmp_path / "session").iterdir()] == ["whole"]
+
+
 def test_a_page_without_room(world, tmp_path, monkeypatch):
     bundle, page = tmp_path / "bundle", tmp_path / "page"
     bundle.mkdir()

@@ -47,16 +47,20 @@ def written_atomically(path: Path):
 
 @contextmanager
 def folder_written_atomically(path: Path):
-    """A new folder beside `path` to fill; renamed to `path`, in the place of what may be there, if the block succeeds, removed if
-    not. What is said about a file in it names the file that it would have become. A symbolic link stays, as above."""
+    """A new folder to fill, which becomes `path` if the block succeeds, and is removed if not. What is said about a file in it
+    names the file that it would have become. A folder that is there stays the same one and gets another content: a disk may be
+    mounted on it, or somebody stand in it. A symbolic link stays, as above."""
     named, path = Path(path).absolute(), Path(os.path.realpath(path))
-    beside, before = (path.with_name(f".{path.name}.{os.getpid()}.{what}") for what in ("part", "old"))
+    is_there = path.is_dir()
+    beside, before = ((path if is_there else path.parent) / f".{path.name}.{os.getpid()}.{what}" for what in ("part", "old"))
+    shutil.rmtree(beside, ignore_errors=True)  # of one that was killed: in a container all have the same number
     beside.mkdir(parents=True)
     try:
         yield beside
-        if path.exists():
-            path.replace(before)
-        beside.replace(path)
+        if is_there:
+            replace_content(path, beside, before)
+        else:
+            beside.replace(path)
     except OSError as error:
         if error.errno is None or (error.filename is not None and str(beside) not in str(error.filename)):
             raise
@@ -67,10 +71,36 @@ def folder_written_atomically(path: Path):
             raise
         raise RuntimeError(str(error).replace(str(beside), str(named))) from error
     finally:
-        if before.exists() and not path.exists():
-            before.replace(path)
-        for left in (beside, before):
-            shutil.rmtree(left, ignore_errors=True)
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def replace_content(folder: Path, new: Path, old: Path) -> None:
+    """By that of `new`; both are in `folder`, `old` takes what was there until that is done."""
+    old.mkdir(exist_ok=True)
+    try:
+        move_content(folder, old, but=(new, old))
+        try:
+            move_content(new, folder)
+        except BaseException:
+            move_content(old, folder)
+            raise
+    except BaseException:
+        old.rmdir()
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def move_content(source: Path, target: Path, but: tuple[Path, ...] = ()) -> None:
+    """All of it or, if that fails, nothing."""
+    entries = [entry for entry in source.iterdir() if entry not in but]
+    try:
+        for entry in entries:
+            entry.replace(target / entry.name)
+    except BaseException:
+        for entry in entries:
+            if os.path.lexists(target / entry.name):
+                (target / entry.name).replace(entry)
+        raise
 
 
 def write_text(path: Path, text: str) -> None:
