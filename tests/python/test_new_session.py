@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 import wave
+from pathlib import Path
 
 import doublet as d
 import numpy as np
@@ -12,7 +13,8 @@ import pytest
 from doublet.cli import main
 from doublet.common.video import VideoWriter, read_video
 from doublet.session import new_session, synchronise
-from doublet.session.camera_files import CameraFile, match
+from doublet.session.camera_files import CameraFile, list_files, match
+from doublet.session.filmed_cameras import names_of
 from doublet.session.new_session import PICTURE, Request
 from PIL import Image
 
@@ -498,6 +500,21 @@ def test_a_camera_may_be_named(home):
     pairs = [f"cam{c}={home / 'videos' / name}.mp4" for c, name in enumerate(("west", "south", "east", "north"))]
     call(home, "--sync", "none", "--camera", *pairs)
     assert (home / "new" / "videos" / "cam0.mp4").samefile(home / "videos" / "west.mp4")
+
+
+def test_a_file_of_a_camera_may_be_called_by_any_way_to_it(tmp_path, monkeypatch):
+    """By its name in the folder, from here, from the root, through a link; with a calibration and without."""
+    for name in ("left", "right"):
+        (tmp_path / "videos" / f"{name}.mp4").parent.mkdir(exist_ok=True)
+        (tmp_path / "videos" / f"{name}.mp4").write_bytes(b"")
+    (tmp_path / "link").symlink_to("videos")
+    monkeypatch.chdir(tmp_path)
+    files = list_files([Path("videos")])
+    for start in ("", "videos/", "videos/../videos/", f"{tmp_path}/videos/", "link/"):
+        given = {"a": Path(f"{start}right.mp4"), "b": Path(f"{start}left.mp4")}
+        found = match(["a", "b"], files, given)
+        assert {name: file.path.name for name, file in found.items()} == {"a": "right.mp4", "b": "left.mp4"}
+        assert names_of(files, Request([Path("videos")], None, tmp_path / "new", cameras=given)) == ["b", "a"]
 
 
 # --- what is refused

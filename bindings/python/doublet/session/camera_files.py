@@ -130,12 +130,17 @@ def given_files(cameras: Sequence[str], files: Sequence[CameraFile], given: dict
     found = {}
     for camera, path in given.items():
         if camera not in cameras:
-            raise ValueError(f"--camera {camera}={path}: expected one of the calibration's cameras {', '.join(cameras)}")
-        same = [file for file in files if path in (file.path, Path(file.path.name))]
+            raise ValueError(f"--camera {camera}={path}: expected one of the cameras {', '.join(cameras)}")
+        same = [file for file in files if is_given(file, path)]
         found[camera] = (same or list_files([path, path])[:1])[0]
     if len({file.path for file in found.values()}) < len(found):
         raise ValueError(f"--camera: expected another file for each camera, found {', '.join(map(str, given.values()))}")
     return found
+
+
+def is_given(file: CameraFile, path: Path) -> bool:
+    """By its name in the folder, or by any way that leads to it."""
+    return path == Path(file.path.name) or path.resolve() == file.path.resolve()
 
 
 def refuse_two(cameras: Sequence[str], found: dict[str, CameraFile], free: Sequence[CameraFile], what: str) -> None:

@@ -13,7 +13,7 @@ from .. import _doublet as d
 from ..common.console import Console
 from ..common.images import ImageSeries, clock_step, numbers_of
 from ..common.video import VideoFile, read_video
-from .camera_files import CameraFile, list_files, match
+from .camera_files import CameraFile, is_given, list_files, match
 from .external_masks import KINDS, ExternalMasks, read_masks, require_count, require_size
 from .keypoints import match_keypoints
 from .request import FilmedCamera, Request
@@ -71,11 +71,11 @@ def require_known(flag: str, given: Iterable[str], names: Sequence[str], what: s
 
 def names_of(files: list[CameraFile], request: Request) -> list[str]:
     """Of cameras that no calibration names: as --camera says, otherwise as their files are called."""
-    given = {path.absolute(): name for name, path in request.cameras.items()}
     names = []
     for file in files:
         plain = re.sub(r"[^A-Za-z0-9_-]+", "_", file.name)
-        names.append(given.get(file.path.absolute(), plain if plain[:1].isalpha() else f"cam{plain}"))
+        given = (name for name, path in request.cameras.items() if is_given(file, path))
+        names.append(next(given, plain if plain[:1].isalpha() else f"cam{plain}"))
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise ValueError(f"{request.videos[0]}: expected another name for each camera, found '{twice}' twice")
     return names
