@@ -131,6 +131,16 @@ def test_a_restarted_study_skips_what_is_done_and_tries_again_what_failed(tmp_pa
     assert len(file.read_text().splitlines()) == 4
 
 
+def test_results_under_another_name_count(tmp_path):
+    """The folder of checkpoints is named after them."""
+    executor, results = study.local_workers(1), tmp_path / "study.jsonl"
+    for name in ("study", "monday"):
+        (row,) = study.run(study_jobs.square, [{"x": 3, "folder": str(tmp_path), "checkpoints": name}], executor, results)
+        assert row["result"] == 9
+        results = results.rename(tmp_path / "monday.jsonl")
+    assert (tmp_path / "3.runs").read_text() == "x" and len(results.read_text().splitlines()) == 1
+
+
 def test_fits_are_those_of_one_process_even_if_one_is_killed_in_the_middle(bell, tmp_path):
     jobs = study.fit_jobs([bell], seeds=(1, 2), options=[QUICK], fps=40, checkpoints=tmp_path / "checkpoints")
     rows = study.run(study_jobs.fit_after_death, jobs, study.local_workers(2), tmp_path / "rows.jsonl")

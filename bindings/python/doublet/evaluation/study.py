@@ -90,7 +90,8 @@ def batches(entries: list, size: int) -> list[list]:
 
 
 def key_of(function: str, job: dict) -> str:
-    return json.dumps([function, job], sort_keys=True)
+    """Where a job leaves what it has is not what it is: that folder is named after the file of results, which may be renamed."""
+    return json.dumps([function, {name: value for name, value in job.items() if name != "checkpoints"}], sort_keys=True)
 
 
 def read_rows(path: Path) -> dict[str, dict]:
