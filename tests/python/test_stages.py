@@ -6,6 +6,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet import reconstruct
+from doublet.cli import program as cli
 from doublet.common.console import Console
 from doublet.reconstruct import stages
 
@@ -88,6 +89,25 @@ def test_what_a_stage_raises_comes_back_and_the_stage_runs_again(make_job):
     with pytest.raises(TypeError, match="expected what JSON can hold"):
         job.run(["segment"])
     assert make_job().run(["segment"])
+
+
+def test_a_report_is_of_the_silhouettes_that_it_compares_with(make_job, tmp_path):
+    def runs(name="me", **silhouette) -> bool:
+        job = make_job()
+        session = job.session
+        session.name = name
+        job.session = session
+        job.options["silhouette"] = d.SilhouetteOptions(**silhouette)
+        job.replace("report", lambda job: {"characters": job.path("report.html").write_text("page")})
+        return job.run(["report"])
+
+    for name in stages.REPORT.reads:
+        (tmp_path / name).touch()
+    assert runs() and not runs()
+    assert runs(method="median"), "other silhouettes"
+    assert not runs(method="median")
+    assert runs("you", method="median"), "another headline"
+    assert cli.build_parser().parse_args(["report", "OUT", "--silhouette-method", "median"])
 
 
 def test_whoever_asked_is_told_of_a_search(tmp_path, monkeypatch):

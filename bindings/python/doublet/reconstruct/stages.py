@@ -56,7 +56,8 @@ REPORT = d.Stage(
            "material.json", "fit_log.csv", "simulated.npz", "character.glb"],
     writes=["report.html"],
     may_read=["calibration.yml"],
-    session_inputs=["images"],
+    option_groups=["silhouette", "key", "background"],  # what is shown is compared with the silhouettes
+    session_inputs=["name", "calibration", "images"],
     runner="",
 )  # fmt: skip
 #: All, in their order.
