@@ -238,8 +238,10 @@ sys.exit(cli.main(["segment", "out"]))
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("ignored", [False, True], ids=["", "ignored"])
+@pytest.mark.parametrize(
+    ("number", "ignored"),
+    [*((number, ignored) for number in (signal.SIGINT, signal.SIGTERM) for ignored in (False, True)), (signal.SIGHUP, False)],
+)
 def test_signals_end_a_command_as_ctrl_c_does(number, ignored):
     """Also where the parent has the signal ignored, as a shell has SIGINT for what runs in the background."""
     disposition = signal.SIG_IGN if ignored else signal.SIG_DFL
@@ -253,6 +255,17 @@ def test_signals_end_a_command_as_ctrl_c_does(number, ignored):
     _, said = process.communicate(timeout=30)
     assert process.returncode == 128 + number
     assert "doublet: stopped; what is complete stays" in said and "Traceback" not in said
+
+
+def test_a_command_goes_on_without_its_terminal_if_nohup_says_so():
+    process = subprocess.Popen(
+        [sys.executable, "-c", ENDLESS.replace("range(6000)", "range(50)")], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),
+    )  # fmt: skip
+    assert process.stdout.readline() == "started\n"
+    process.send_signal(signal.SIGHUP)
+    _, said = process.communicate(timeout=30)
+    assert "stopped" not in said
 
 
 def test_a_page_that_is_not_json_is_refused(tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
+from contextlib import suppress
 
 from .._doublet import __version__
 from .commands import COMMANDS
@@ -43,7 +44,8 @@ def main(arguments=None) -> int:
         with stopped_by_signals():
             return parsed.run(parsed) or 0
     except KeyboardInterrupt as stop:
-        print(f"doublet: stopped; {resume_hint(parsed)}", file=sys.stderr)
+        with suppress(OSError):  # of a terminal that is gone
+            print(f"doublet: stopped; {resume_hint(parsed)}", file=sys.stderr)
         return getattr(stop, "status", 128 + signal.SIGINT)
     except BrokenPipeError:
         return 1

@@ -18,13 +18,17 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def stopped_by_signals():
-    """Ctrl-C, SIGTERM, and SIGINT where a shell in the background has it ignored, all end the command in the same way."""
+    """Ctrl-C, SIGTERM, SIGINT where a shell in the background has it ignored, and a terminal that is closed, unless nohup has
+    that ignored, all end the command in the same way."""
 
     def stop(number, frame):
+        if number == signal.SIGHUP:  # comes twice, from the shell and from the terminal
+            signal.signal(number, signal.SIG_IGN)
         raise Stopped(number)
 
+    heard = [*STOPPING, signal.SIGHUP] if signal.getsignal(signal.SIGHUP) == signal.SIG_DFL else STOPPING
     try:
-        before = {number: signal.signal(number, stop) for number in STOPPING}
+        before = {number: signal.signal(number, stop) for number in heard}
     except ValueError:  # not the main thread: signals are somebody else's
         before = {}
     try:
