@@ -462,6 +462,21 @@ def test_a_scan_is_refined_by_what_was_tracked(session_with_scan, tmp_path):
     assert main(["scan", str(folder), *FAST, "--refine", str(out)]) in (0, 3)
     assert json.loads((folder / "joints.json").read_text()) == by_hand
     assert (d.read_mesh(folder / "scan_before.ply").vertices == first.vertices).all()
+    assert (d.read_mesh(folder / "scan.ply").vertices == refined.vertices).all(), "it was corrected twice"
+
+
+def test_a_scan_that_cannot_be_written_is_refined_into_another(session_with_scan, tmp_path, monkeypatch):
+    folder, out = session_with_scan, tmp_path / "out"
+    tracked(d.Session(folder), out, 0.008)
+    path, scan = folder / "session.json", folder / "scan.obj"
+    d.write_mesh(scan, d.read_mesh(folder / "scan.ply"))
+    (folder / "scan.ply").unlink()
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"scan": scan.name}))
+    monkeypatch.setattr(make_scan, "WRITTEN", (".ply",))  # as .glb is read alone
+    before = scan.read_bytes()
+    assert main(["scan", str(folder), *FAST, "--refine", str(out)]) in (0, 3)
+    assert json.loads(path.read_text())["scan"] == "scan.ply" and (folder / "scan.ply").exists()
+    assert scan.read_bytes() == before
 
 
 def test_without_a_scan_nothing_is_refined(model, tmp_path, capsys):

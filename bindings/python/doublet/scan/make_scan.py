@@ -24,10 +24,13 @@ GROUPS = {
 BEST = "best"
 SCAN, MARKS, PICTURE = "scan.ply", "joints.json", "scan_check.png"
 FIRST_SCAN = "scan_before.ply"
+WRITTEN = (".ply", ".obj", ".stl", ".off")  #: meshes; others, as .glb, are only read
 #: What joints.json says of joints that this command has found; others are a person's, and stay.
 FOUND = "found by doublet scan"
 #: m; of the valid template from the scan on average, above which it was made from another.
 OF_ANOTHER_SCAN = 0.01
+#: m; of the skin, by which a correction is told from the template's own distance from the scan.
+CLEARLY_MOVED = 0.005
 #: Above this ratio it is hard to tell which way the person faces.
 LIKELY_RIVAL = 0.8
 #: m; a joint farther from where keypoints see it is put there.
@@ -170,25 +173,33 @@ def with_check_picture(job: Job, made: list[Path], findings: list[d.Finding]) ->
     return ScanResult([*made, picture], [*findings, *checked.findings])
 
 
-def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None) -> ScanResult:
+def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None, force: bool = False) -> ScanResult:
     """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
     `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
-    kept as FIRST_SCAN, joints that this command had found are found anew."""
+    kept as FIRST_SCAN, joints that this command had found are found anew. A scan of a kind that cannot be written becomes SCAN
+    (`force`: in the place of a file that the session does not name)."""
     path = Path(job.session.scan)
     if path == Path():
         raise RuntimeError(f"{job.session_folder / 'session.json'}: names no scan to refine; doublet scan makes one")
+    target = path if path.suffix.lower() in WRITTEN else require_free(job.session_folder / SCAN, force)
     scan, actor = d.read_mesh(path), d.read_actor(out / "actor.npz")
     require_made_from(scan, actor, path, out)
     performance = d.read_performance(out / "performance.npz", actor)
     skin = np.asarray(d.read_segmentation(out / "segmentation.npz").clothness) == 0
     refined = d.refine_rest_pose(actor, performance, skin.astype(np.uint8), options or d.RestPoseOptions(), job.context)
     moved = 1000 * np.linalg.norm(refined - actor.mesh.vertices, axis=1)[skin]
-    job.console.say(f"scan: skin moved by {np.mean(moved):.1f} mm, 5 % of it by over {np.percentile(moved, 95):.0f} mm")
-    if not (job.session_folder / FIRST_SCAN).exists():
-        d.write_mesh(job.session_folder / FIRST_SCAN, scan)
-    fine = d.SurfaceTransfer(actor.mesh, [], scan, []).apply(refined)
-    d.write_mesh(path, d.Mesh(fine, scan.faces))
-    made, findings = [path], []
+    made, findings = [target], []
+    if is_refined(scan, actor, refined, skin):  # the command was stopped, or given twice
+        job.console.say(f"scan: {path} is corrected by {out} already, and stays as it is")
+        made = []
+    else:
+        job.console.say(f"scan: skin moved by {np.mean(moved):.1f} mm, 5 % of it by over {np.percentile(moved, 95):.0f} mm")
+        if not (job.session_folder / FIRST_SCAN).exists():
+            d.write_mesh(job.session_folder / FIRST_SCAN, scan)
+        fine = d.SurfaceTransfer(actor.mesh, [], scan, []).apply(refined)
+        d.write_mesh(target, d.Mesh(fine, scan.faces))
+        if target != path:
+            save(job, {**read_description(job.session_folder), "scan": SCAN})
     if found_here(job.session_folder / MARKS):
         found = write_marks(job, force=True, of_cameras=True)
         findings = reported(found, None, job.session_folder)
@@ -196,9 +207,24 @@ def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None) -
     return with_check_picture(job, made, findings)
 
 
+def is_refined(scan: d.Mesh, actor: d.RiggedMesh, refined: np.ndarray, skin: np.ndarray) -> bool:
+    """Does the scan lie where the correction leads, and not where the template is, where these two are apart?"""
+    apart = np.linalg.norm(refined - actor.mesh.vertices, axis=1) > CLEARLY_MOVED
+    chosen = on_valid(actor)[(skin & apart)[on_valid(actor)]]
+    if not len(chosen):
+        return False
+    scene = d.RayScene(scan)
+    before, after = (scene.closest(vertices[chosen])[1].mean() for vertices in (actor.mesh.vertices, refined))
+    return bool(after < before)
+
+
+def on_valid(actor: d.RiggedMesh) -> np.ndarray:
+    """Indices of the vertices that the scan supports."""
+    return np.unique(actor.mesh.faces[np.asarray(actor.face_valid, bool)])
+
+
 def require_made_from(scan: d.Mesh, actor: d.RiggedMesh, path: Path, out: Path) -> None:
-    on_valid = np.unique(actor.mesh.faces[np.asarray(actor.face_valid, bool)])
-    off = float(np.mean(d.RayScene(scan).closest(actor.mesh.vertices[on_valid])[1]))
+    off = float(np.mean(d.RayScene(scan).closest(actor.mesh.vertices[on_valid(actor)])[1]))
     if off > OF_ANOTHER_SCAN:
         raise RuntimeError(
             f"{out / 'actor.npz'}: expected a template made from {path}, found one that is {1000 * off:.0f} mm off on average"

@@ -67,7 +67,7 @@ def run(arguments) -> int:
         for flag, value in (("--given", arguments.given), ("--frame", arguments.frame)):
             if value is not None:
                 raise ValueError(f"{flag}: expected no --refine beside it, which corrects the scan that the session names")
-        made = refine_scan(job, arguments.refine, rest_options)
+        made = refine_scan(job, arguments.refine, rest_options, arguments.force)
     else:
         made = scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints, arguments.given)
     console.finish()
