@@ -492,6 +492,15 @@ def test_a_joint_that_is_left_out_is_not_guessed(folder):
     assert left_out["l_clavicle"].joint == left_out["neck"].joint == -1
 
 
+@pytest.mark.parametrize("name", ["c.glb", "walk.bvh"])
+def test_an_animation_does_not_take_the_place_of_what_it_is_made_from(folder, capsys, name):
+    before = (folder / name).read_bytes()
+    out = folder / ".." / folder.name / name
+    assert cli.main(["animate", str(folder / "c.glb"), str(folder / "walk.bvh"), "-o", str(out), "--quiet"]) == 1
+    assert f"{name}: expected another file than the one that is read" in capsys.readouterr().err
+    assert (folder / name).read_bytes() == before
+
+
 def test_the_command_writes_bvh(folder, character):
     done = subprocess.run(
         [sys.executable, "-m", "doublet", "animate", folder / "c.glb", folder / "walk.bvh", "-o", folder / "new.bvh"],

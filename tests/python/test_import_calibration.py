@@ -69,6 +69,17 @@ def test_a_size_of_floats(tmp_path):
     assert [(c.camera.width, c.camera.height) for c in d.read_calibration(path)] == sizes
 
 
+def test_what_is_read_is_not_overwritten(tmp_path, monkeypatch, capsys):
+    """Where nothing is said calibration.yml is written, which may be what another program has written."""
+    path, *_ = calibrations.write_all(tmp_path)["toml"]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "calibration.yml").symlink_to(path)
+    before = path.read_bytes()
+    assert cli.main(["import-calibration", str(path)]) == 1
+    assert "calibration.yml: expected another file than the one that is read" in capsys.readouterr().err
+    assert path.read_bytes() == before
+
+
 def test_the_size_of_the_images_may_be_said(tmp_path, capsys):
     path, (intri, _) = calibrations.write_all(tmp_path)["easymocap"]
     lines = [line for line in intri.read_text().splitlines() if line[:2] not in ("W_", "H_")]

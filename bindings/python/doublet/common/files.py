@@ -118,6 +118,13 @@ def require_file(path: Path) -> None:
         raise RuntimeError(f"{path}: expected a file, found a device or pipe")
 
 
+def require_other_file(out: Path, *read: Path) -> None:
+    """Raises ValueError if a result would take the place of what it is made from: of another kind, it cannot be made again."""
+    for path in read:
+        if out.exists() and path.exists() and out.samefile(path):
+            raise ValueError(f"{out}: expected another file than the one that is read; choose another name")
+
+
 DEEPEST = 64  #: levels of a file of options
 
 

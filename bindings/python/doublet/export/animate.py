@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.console import Console
+from ..common.files import require_other_file
 from ..common.video import VideoWriter
 from . import bone_names
 from .clips import at_own_rate, centred, read_motion
@@ -48,6 +49,7 @@ def animate(
     """A new animation as .npz, .glb, .usdc, .bvh, .mp4 or _vat.png; returns the number of frames."""
     if not out.name.endswith(FORMATS):
         raise ValueError(f"{out} must end in one of {', '.join(FORMATS)}")
+    require_other_file(out, character_file, motion_file)
     if output and output.shot and out.suffix != ".mp4":
         raise ValueError(f"{out}: expected an .mp4 for a size, camera or background, found {out.suffix}")
     if output and output.bone_names and out.suffix not in (".bvh", ".glb"):

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from ... import _doublet as d
+from ...common.files import require_other_file
 from ...session.import_calibration import camera_line, distances
 
 
@@ -53,6 +54,7 @@ def calibration_flags(parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
+    require_other_file(arguments.out, arguments.input)
     cameras = d.read_calibration(arguments.input, calibration_options(arguments), d.Context(log=print))
     d.write_calibration(arguments.out, cameras)
     print(*map(camera_line, cameras), sep="\n")
