@@ -2,15 +2,18 @@
 lay on their side, or whose files are named by nobody who has read a manual."""
 
 import json
+import shlex
 import shutil
 import subprocess
 import wave
 from pathlib import Path
+from types import SimpleNamespace
 
 import doublet as d
 import numpy as np
 import pytest
 from doublet.cli import main
+from doublet.cli.commands import new_session as command
 from doublet.common.video import VideoWriter, read_video
 from doublet.session import new_session, synchronise
 from doublet.session.camera_files import CameraFile, list_files, match
@@ -592,6 +595,16 @@ def test_force_keeps_the_old_one_until_the_new_one_is_whole(home, capsys):
     assert d.Session(home / "new").frame_count == 120
     call(home, "--sync", "none", "--force", "--frames", 7)
     assert d.Session(home / "new").frame_count == 7
+
+
+def test_commands_that_are_printed_can_be_pasted(tmp_path, monkeypatch, capsys):
+    folder = tmp_path / "my session #1"
+    monkeypatch.setattr(command, "new_session", lambda request, console: new_session.NewSession(folder, [], []))
+    monkeypatch.setattr(command, "d", SimpleNamespace(Session=lambda folder: SimpleNamespace(scan=Path(), markers=Path())))
+    assert main(["new-session", "videos", "--calibration", "c.yml", "-o", str(folder)]) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("next: ")]
+    commands = [shlex.split(text, comments=True) for line in said for text in line.split("doublet ")[1:]]
+    assert [words[:2] for words in commands] == [[name, str(folder)] for name in ("scan", "check", "reconstruct")]
 
 
 def test_files_inside_of_the_new_session_stay_whatever_it_is_called(home, capsys, monkeypatch):

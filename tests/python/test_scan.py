@@ -498,18 +498,22 @@ def test_what_was_tracked_with_another_scan_refines_nothing(session_with_scan, t
 
 @pytest.mark.parametrize("better", [31, 0, None])
 def test_where_nobody_stands_the_frame_that_would_do_is_named(better):
-    said = f"; frame {better} is more like a standing body: doublet scan s --force --frame {better}" if better is not None else ""
+    said = (
+        f"; frame {better} is more like a standing body: doublet scan 's 1' --force --frame {better}"
+        if better is not None
+        else ""
+    )
 
     def found(largest, **how):
         marks = SimpleNamespace(fit=SimpleNamespace(coefficients=np.array([0.3, -largest])))
         return make_scan.Marked([], next(iter(make_scan.shape_findings(marks)), None), **how)
 
-    assert make_scan.reported(found(4.9), better, Path("s")) == []
+    assert make_scan.reported(found(4.9), better, Path("s 1")) == []
     for largest, impossible in ((6, False), (9, True)):
-        (finding,) = make_scan.reported(found(largest), better, Path("s"))
+        (finding,) = make_scan.reported(found(largest), better, Path("s 1"))
         assert finding.impossible == impossible and finding.text.endswith("have grown together" + said)
     with pytest.raises(RuntimeError, match="have grown together" + said):
-        make_scan.reported(found(9, written=False), better, Path("s"))
+        make_scan.reported(found(9, written=False), better, Path("s 1"))
 
 
 @pytest.mark.parametrize(("rival", "largest", "stands"), [(0.6, 4, True), (0.9, 4, False), (0.6, 6, False), (0.9, 6, False)])

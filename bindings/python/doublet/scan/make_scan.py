@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -161,7 +162,7 @@ def reported(found: Marked, better: int | None, folder: Path) -> list[d.Finding]
         return found.findings
     text = found.nobody.text
     if better is not None:
-        text += f"; frame {better} is more like a standing body: doublet scan {folder} --force --frame {better}"
+        text += f"; frame {better} is more like a standing body: doublet scan {shlex.quote(str(folder))} --force --frame {better}"
     if not found.written:
         raise RuntimeError(text)
     return [*found.findings, d.Finding(found.nobody.impossible, text)]

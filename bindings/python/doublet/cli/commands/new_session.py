@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import shlex
 from pathlib import Path
 
 from ... import _doublet as d
@@ -103,8 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
     made = new_session(request_of(arguments), make_console(arguments))
     print(*made.messages, sep="\n")
     print(f"{made.folder / PICTURE}: look at it")
-    session = d.Session(made.folder)
+    session, name = d.Session(made.folder), shlex.quote(str(made.folder))
     if not session.scan.name or not session.markers.name:
-        print(f"next: doublet scan {made.folder}   # scan and joints, from the cameras")
-    print(f"next: doublet check {made.folder} -o OUT, doublet reconstruct {made.folder} -o OUT")
+        print(f"next: doublet scan {name}   # scan and joints, from the cameras")
+    print(f"next: doublet check {name} -o OUT, doublet reconstruct {name} -o OUT")
     return report_findings(made.findings)
