@@ -185,10 +185,12 @@ void Reconstruction::begin(bool needs_scan) {
   run.save();
 }
 
-/// A folder of results is of one session, which may have been moved but is the same in every file that was read.
+/// A folder of results is of one session, which may have been moved but is the same in every file that was read. One folder has
+/// many names, where there are links.
 void Reconstruction::require_same_session() {
   const std::string before = record().text("session"), prefix = "session/";
-  if (before.empty() || Path(before) == session().folder)
+  std::error_code not_there;
+  if (before.empty() || Path(before) == session().folder || std::filesystem::equivalent(before, session().folder, not_there))
     return;
   for (const auto &[name, known] : record().inputs()) {
     if (name.rfind(prefix, 0) != 0)

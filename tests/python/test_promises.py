@@ -230,6 +230,18 @@ def test_a_video_may_lie_elsewhere(world, tmp_path):
     assert job.record.data["stages"]["look"]["inputs"].keys() == {f"session/{elsewhere}", "session/scan.ply"}
 
 
+def test_a_session_may_be_called_by_a_link(world, tmp_path):
+    """Files of it may change, as by its own name."""
+    folder, link = tmp_path / "session", tmp_path / "link"
+    write_session(folder, world)
+    link.symlink_to("session")
+    for name in (folder, link, folder):
+        (folder / "session.json").write_text((folder / "session.json").read_text() + "\n")
+        job = reconstruct.Job(name, tmp_path / "out", console=Console(quiet=True))
+        job.stages = [d.Stage("look", lambda job: {}, session_inputs=["description"])]
+        assert job.run(["look"])
+
+
 ENDLESS = """
 import sys, time
 from doublet.cli import commands, program as cli
