@@ -96,6 +96,8 @@ struct RunRecord::Data {
 
   Path file() const { return out / "run.json"; }
   void read();
+  void read_again(const std::string &own = {});
+  void save(const std::string &own = {});
   /// Of a stage; null if it never ran.
   const Json *entry(const std::string &stage) const {
     const Json &stages = json.at("stages");
@@ -125,6 +127,25 @@ void RunRecord::Data::read() {
   json["stages"] = kept;
 }
 
+/// Takes over what other commands have written since about stages other than `own`: of two that run at a time in one folder, such
+/// as a report during a long search, neither must forget what the other has made.
+void RunRecord::Data::read_again(const std::string &own) {
+  if (!std::filesystem::exists(file()))
+    return;
+  Json mine = json;
+  read();
+  Json stages = json.at("stages");
+  if (mine.at("stages").contains(own))
+    stages[own] = mine.at("stages").at(own);
+  json = std::move(mine);
+  json["stages"] = std::move(stages);
+}
+
+void RunRecord::Data::save(const std::string &own) {
+  read_again(own);
+  write_text(file(), json.dump(1) + "\n");
+}
+
 RunRecord::RunRecord(Path out) : data_(std::make_unique<Data>()) {
   data_->out = std::move(out);
   if (std::filesystem::exists(path()))
@@ -151,7 +172,7 @@ std::string RunRecord::text(const std::string &name) const {
 }
 
 void RunRecord::save() const {
-  write_text(path(), data_->json.dump(1) + "\n");
+  data_->save();
 }
 
 const std::string &RunRecord::hash(const Path &path) {
@@ -185,6 +206,7 @@ std::map<std::string, std::string> RunRecord::inputs() const {
 }
 
 std::vector<std::string> RunRecord::foreign_outputs(const std::string &stage, const std::vector<std::string> &outputs) {
+  data_->read_again();
   const Json *entry = data_->entry(stage);
   if (entry && entry->at("state") == "running")
     return {};
@@ -222,7 +244,7 @@ void RunRecord::begin(const std::string &stage, const StageBasis &basis) {
                                   {"options", Json::parse(basis.options)},
                                   {"inputs", Json(basis.inputs)},
                                   {"outputs", Json::object()}};
-  save();
+  data_->save(stage);
   data_->memory.emplace();
   data_->begun = std::chrono::steady_clock::now();
 }
@@ -237,7 +259,7 @@ void RunRecord::end(const std::string &stage, const std::string &summary, const 
   for (const std::string &name : outputs)
     entry["outputs"][name] = hash(data_->out / name);
   entry["state"] = "done";
-  save();
+  data_->save(stage);
 }
 
 std::string RunRecord::duration_text(const std::string &stage) const {

@@ -60,6 +60,22 @@ TEST_F(RunRecordOfOneStage, KnowsWhatOthersHaveWritten) {
   EXPECT_EQ(RunRecord(folder.path()).foreign_outputs("segment", kOutputs), kOutputs);
 }
 
+TEST_F(RunRecordOfOneStage, KnowsWhatAnotherCommandMakesMeanwhile) {
+  RunRecord longer(folder.path());
+  longer.begin("fit", kBasis);
+  RunRecord shorter(folder.path());
+  shorter.begin("segment", {kBasis.inputs, R"({"segment.diffusion": 0.03})"});
+  write_text(folder.path() / "segmentation.npz", "another result");
+  shorter.end("segment", "{}", kOutputs);
+  EXPECT_TRUE(longer.foreign_outputs("segment", kOutputs).empty()) << "it is our own";
+  write_text(folder.path() / "material.json", "cotton");
+  longer.end("fit", "{}", {"material.json"});
+  RunRecord after(folder.path());
+  EXPECT_TRUE(after.is_done("fit") && after.is_done("segment"));
+  EXPECT_TRUE(after.foreign_outputs("segment", kOutputs).empty());
+  EXPECT_EQ(reason(), "option segment.diffusion changed from 0.03 to 0.02");
+}
+
 TEST(RunRecord, AStageThatWasStoppedRunsAgain) {
   const TempFolder folder;
   RunRecord(folder.path()).begin("segment", kBasis);
