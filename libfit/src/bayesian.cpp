@@ -23,6 +23,7 @@ constexpr const char *kBayesian = "bayesian";
 constexpr int kGroup = 16;                   // samples that share a level: what fills the widest registers
 constexpr int kDraws = 64;                   // functions
 constexpr int kCandidates = 600;             // points at which a function is drawn; as many as a larger generation takes
+constexpr int kBeside = 300;                 // more, at the levels beside those of the lowest samples
 constexpr int kAround = 8;                   // of the lowest samples, around which most candidates lie
 constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' parameters
 constexpr std::size_t kSettled = 4;          // generations in which nothing was found ...
@@ -194,16 +195,22 @@ private:
   }
 
   /// Most around the lowest samples, at all distances, along some of the axes: often on the faces of the box, where minima are.
+  /// Others as near to them, but at the next level: a valley that is narrower than a level is wide goes on there.
   MatrixRM candidates() {
     const std::vector<int> lowest = lowest_samples();
-    MatrixRM points(std::max(kCandidates, options_.population), n_);
-    for (int i = 0; i < points.rows(); ++i) {
-      Eigen::RowVectorXd point(n_);
-      if (i % 3 == 0)
-        point = everywhere();
-      else
-        point = near(samples_.row(lowest[static_cast<std::size_t>(random_.uniform() * static_cast<double>(lowest.size()))]));
-      points.row(i) = on_level(point);
+    const auto low = [&] {
+      return Eigen::RowVectorXd(
+          samples_.row(lowest[static_cast<std::size_t>(random_.uniform() * static_cast<double>(lowest.size()))]));
+    };
+    const int wide = std::max(kCandidates, options_.population), beside = options_.levels > 1 ? kBeside : 0;
+    MatrixRM points(wide + beside, n_);
+    for (int i = 0; i < wide; ++i)
+      points.row(i) = on_level(i % 3 == 0 ? everywhere() : near(low()));
+    for (int i = wide; i < points.rows(); ++i) {
+      const Eigen::RowVectorXd from = low();
+      points.row(i) = near(from);
+      points(i, n_ - 1) = inside(from[n_ - 1] + (random_.uniform() < 0.5 ? -1 : 1) / (options_.levels - 1.0));
+      points.row(i) = on_level(points.row(i));
     }
     return points;
   }

@@ -93,6 +93,23 @@ TEST(Bayesian, GroupsOfAGenerationShareALevel) {
   EXPECT_NEAR(search->result().answer[0], 1.0 / 3, 0.05);
 }
 
+TEST(Bayesian, AValleyThatMovesWithTheLevelIsFollowed) {
+  const auto lowest_at_the_third = [](const Eigen::VectorXd &x) {
+    const double level = 4 * x[4] - 3, a = x[0] - 0.9 + 0.05 * level, b = x[1] - 0.7 - 0.05 * level;
+    return 5 + 3 * level * level + 300 * (std::hypot(a, 0.01) + std::hypot(b, 0.01) - 0.02) + 20 * std::pow(x[2] - 0.5, 2) +
+           5 * std::pow(x[3] - 0.2, 2);
+  };
+  for (const std::uint64_t seed : {4, 5}) { // which go elsewhere first
+    BayesianOptions options;
+    options.levels = 5;
+    options.seed = seed;
+    const auto search = create_bayesian(5, options);
+    while (!search->stop())
+      one_generation(*search, lowest_at_the_third);
+    EXPECT_EQ(search->result().answer[4], 0.75) << seed;
+  }
+}
+
 TEST(Bayesian, GoesOnToTheSameBits) {
   BayesianOptions options;
   options.population = 8;
