@@ -273,20 +273,25 @@ double likeness(const Vector3d &bgr, const Vector3d &skin) {
 /// `away` as of detail::beyond_free_edges().
 void fade_into_hidden(const Character &c, const std::vector<double> &away, const detail::HiddenSkin &skin,
                       const detail::ChartLayout &layout, Image &image) {
-  constexpr double kFar = 0.60, kReach = 0.10, kWhole = 0.02; // m
+  constexpr double kReach = 0.10, kWhole = 0.02; // m
   const std::vector<std::uint8_t> hidden = hidden_faces(c);
+  std::vector<std::optional<detail::HiddenSkin::Here>> known(away.size()); // of vertices that were asked for
   for (int f = 0; f < c.high.faces.rows(); ++f) {
     const Eigen::Vector3i corners = c.high.faces.row(f);
-    const bool is_skin = std::max({away[corners[0]], away[corners[1]], away[corners[2]]}) < kFar;
+    const bool is_skin = std::isfinite(std::max({away[corners[0]], away[corners[1]], away[corners[2]]}));
     if (!c.high_valid[f] || !(is_skin || hidden[f]))
       continue;
     Vector3d distances;
     Eigen::Matrix3d colours; // a column a corner
     for (int k = 0; k < 3; ++k) {
-      const detail::HiddenSkin::Here here = skin.at(c.high.vertices.row(corners[k]));
-      distances[k] = std::min(here.distance, kReach);
-      colours.col(k) = here.colour;
+      std::optional<detail::HiddenSkin::Here> &here = known[corners[k]];
+      if (!here)
+        here = skin.at(c.high.vertices.row(corners[k]));
+      distances[k] = std::min(here->distance, kReach);
+      colours.col(k) = here->colour;
     }
+    if (!hidden[f] && distances.minCoeff() == kReach)
+      continue;
     detail::for_texels(layout, f, [&](int x, int y, const Vector3d &b) {
       Vector3d colour(image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2));
       const Vector3d expected = colours * b;
