@@ -129,11 +129,10 @@ HiddenSkin::HiddenSkin(Character &c, const std::vector<double> &away, const TexC
 }
 
 std::size_t HiddenSkin::nearest_seam(const Vector3d &at) const {
-  std::size_t nearest = 0;
-  for (std::size_t k = 1; k < seams_.size(); ++k)
-    if (distance_to(seams_[k].points, at) < distance_to(seams_[nearest].points, at))
-      nearest = k;
-  return nearest;
+  std::vector<double> distances;
+  for (const Seam &seam : seams_)
+    distances.push_back(distance_to(seam.points, at));
+  return static_cast<std::size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin());
 }
 
 HiddenSkin::Here HiddenSkin::at(const Vector3d &point) const {

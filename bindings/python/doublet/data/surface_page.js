@@ -186,7 +186,8 @@ function listen() {
   for (const button of document.querySelectorAll("[data-turn]"))
     button.onclick = () => { [eye.turn, eye.tilt] = button.dataset.turn.split(" ").map(Number); draw(); };
   onkeydown = event => {
-    const key = event.key.toLowerCase(), pressed = { z: "undo", s: "save", ...tools.keys }[key];
+    const of_browser = event.ctrlKey || event.metaKey || event.altKey; // Ctrl+A chooses nothing of ours
+    const key = event.key.toLowerCase(), pressed = { z: "undo", s: "save", ...(of_browser ? {} : tools.keys) }[key];
     if (pressed) { event.preventDefault(); $(pressed).click(); }
     if (key === "[" || key === "]") { $("radius").value = +$("radius").value + (key === "]" ? 3 : -3); $("radius").oninput(); }
   };

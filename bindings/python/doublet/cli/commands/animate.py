@@ -90,6 +90,8 @@ def shot_of(arguments) -> Shot | None:
     if arguments.camera:
         chosen["camera"] = arguments.camera
     if arguments.turn_seconds is not None:
+        if arguments.camera != "orbit":
+            raise ValueError("--turn-seconds: only --camera orbit goes round")
         chosen["turn_seconds"] = arguments.turn_seconds
     if arguments.background:
         chosen["background"] = tuple(channel / 255 for channel in colour_of(arguments.background, "--background"))
