@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -24,10 +25,12 @@ constexpr int kGroup = 16;                   // samples that share a level: what
 constexpr int kDraws = 64;                   // functions
 constexpr int kCandidates = 600;             // points at which a function is drawn; as many as a larger generation takes
 constexpr int kBeside = 300;                 // more, at the levels beside those of the lowest samples
+constexpr double kSameLevel = 1e-3;          // of the box: levels are further apart
 constexpr int kAround = 8;                   // of the lowest samples, around which most candidates lie
 constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' parameters
 constexpr std::size_t kSettled = 4;          // generations in which nothing was found ...
 constexpr std::size_t kHopeless = 2;         // ... and after so many of them nothing is expected
+constexpr std::size_t kQuiet = 2;            // generations without a find, and one without hope, before levels are looked at
 
 /// Functions drawn from the process at points, of which the first is the answer.
 struct FunctionDraws {
@@ -57,7 +60,7 @@ public:
       return options_.first;
     if (!draws_)
       draws_ = draw_functions();
-    const MatrixRM samples = picked(*draws_);
+    const MatrixRM samples = picked(*draws_, levels_of_groups(*draws_));
     draws_.reset(); // asked again: another draw
     return samples;
   }
@@ -123,7 +126,7 @@ public:
 
 private:
   std::string reason() const {
-    if (settled() && hopeless())
+    if (gained_nothing(kSettled) && hopeless(kHopeless) && open_levels().empty())
       return "the answer gained less than " + state::Json(options_.min_gain).dump() + " in " + std::to_string(kSettled) +
              " generations, and is expected to gain less than " + state::Json(options_.min_expected_gain).dump();
     if (energies_.size() >= options_.max_evaluations)
@@ -133,18 +136,50 @@ private:
 
   /// Every generation goes where the minimum may be, so that several that find nothing tell that it is found. Not from the first
   /// on, which went anywhere.
-  bool settled() const {
+  bool gained_nothing(std::size_t generations) const {
     const std::size_t count = answers_.size();
-    if (options_.min_gain == 0 || count < kSettled + 2)
+    if (options_.min_gain == 0 || count < generations + 2)
       return false;
-    const double before = answers_[count - 1 - kSettled], now = answers_.back();
+    const double before = answers_[count - 1 - generations], now = answers_.back();
     return before - now < options_.min_gain * std::fabs(now);
   }
 
   /// Early on the process is too hopeful: its answer then rises, and has gained nothing, while the search is still on its way.
-  bool hopeless() const {
-    return expected_gains_.size() >= kHopeless && std::all_of(expected_gains_.end() - kHopeless, expected_gains_.end(),
-                                                              [this](double gain) { return gain < options_.min_expected_gain; });
+  bool hopeless(std::size_t generations) const {
+    return expected_gains_.size() >= generations &&
+           std::all_of(expected_gains_.end() - static_cast<std::ptrdiff_t>(generations), expected_gains_.end(),
+                       [this](double gain) { return gain < options_.min_expected_gain; });
+  }
+
+  /// The levels beside the answer's at which the last group found more than is missing there: they may lie lower than the answer,
+  /// which the process, that has seen little of them, does not expect.
+  std::vector<double> open_levels() const {
+    std::vector<double> open;
+    if (options_.levels > 1)
+      for (const double step : {-1, 1}) {
+        const double level = answer_[n_ - 1] + step / (options_.levels - 1);
+        if (level > -kSameLevel && level < 1 + kSameLevel && is_open(level))
+          open.push_back(level);
+      }
+    return open;
+  }
+
+  /// Early enough for what they find to be followed: the open levels, when the answer moves no more.
+  std::vector<double> levels_to_look_at() const {
+    return gained_nothing(kQuiet) && hopeless(1) ? open_levels() : std::vector<double>{};
+  }
+
+  bool is_open(double level) const {
+    std::vector<double> there;
+    for (Eigen::Index i = 0; i < samples_.rows(); ++i)
+      if (std::fabs(samples_(i, n_ - 1) - level) < kSameLevel)
+        there.push_back(energies_[i]);
+    const auto group = static_cast<std::size_t>(std::min(options_.population, kGroup));
+    if (there.size() <= group)
+      return true;
+    const double before = *std::min_element(there.begin(), there.end() - static_cast<std::ptrdiff_t>(group));
+    const double now = *std::min_element(there.begin(), there.end());
+    return before - now > now - energies_.minCoeff();
   }
 
   Eigen::RowVectorXd on_level(Eigen::RowVectorXd point) const {
@@ -265,14 +300,13 @@ private:
     return process_->minimum(all.row(best).transpose(), options_.levels > 1 ? 1 : 0);
   }
 
-  /// The next generation: the minima of functions drawn, no two alike.
-  MatrixRM picked(const FunctionDraws &drawn) {
+  /// The next generation: the minima of functions drawn, no two alike, in groups at these levels (negative: at any).
+  MatrixRM picked(const FunctionDraws &drawn, const std::vector<double> &levels) const {
     std::vector<Eigen::Index> rows;
     std::set<Eigen::Index> taken;
-    const int groups = options_.levels > 1 ? std::max(1, options_.population / kGroup) : 1;
-    for (int group = 0; group < groups; ++group) {
-      const auto size = static_cast<std::size_t>(options_.population * (group + 1) / groups);
-      const double level = options_.levels > 1 ? level_of_group(drawn, group, groups) : -1;
+    for (std::size_t group = 0; group < levels.size(); ++group) {
+      const std::size_t size = static_cast<std::size_t>(options_.population) * (group + 1) / levels.size();
+      const double level = levels[group];
       for (Eigen::Index depth = 0; rows.size() < size && depth < drawn.points.rows(); ++depth)
         for (Eigen::Index d = 0; rows.size() < size && d < kDraws; ++d)
           if (const Eigen::Index row = lowest_free(drawn, d, level, taken); row >= 0) {
@@ -286,13 +320,21 @@ private:
     return samples;
   }
 
-  /// Levels have groups in proportion to how many of the draws are lowest there.
-  double level_of_group(const FunctionDraws &drawn, int group, int groups) const {
-    std::vector<double> levels;
+  /// In proportion to how many of the draws are lowest there. When the answer moves no more, those beside it that are open.
+  std::vector<double> levels_of_groups(const FunctionDraws &drawn) const {
+    if (options_.levels < 2)
+      return {-1};
+    const std::size_t groups = static_cast<std::size_t>(std::max(1, options_.population / kGroup));
+    std::vector<double> lowest;
     for (Eigen::Index d = 0; d < kDraws; ++d)
-      levels.push_back(drawn.points(drawn.lowest(d), n_ - 1));
-    std::sort(levels.begin(), levels.end());
-    return levels[static_cast<std::size_t>((group + 0.5) / groups * static_cast<double>(levels.size()))];
+      lowest.push_back(drawn.points(drawn.lowest(d), n_ - 1));
+    std::sort(lowest.begin(), lowest.end());
+    if (const std::vector<double> open = levels_to_look_at(); !open.empty())
+      lowest = open;
+    std::vector<double> levels;
+    for (std::size_t group = 0; group < groups; ++group)
+      levels.push_back(lowest[(2 * group + 1) * lowest.size() / (2 * groups)]);
+    return levels;
   }
 
   /// The lowest point of a draw that is not taken, of those at the level if it is not negative; -1 if there is none.
@@ -300,7 +342,7 @@ private:
                            const std::set<Eigen::Index> &taken) const {
     Eigen::Index best = -1;
     for (Eigen::Index i = 0; i < drawn.points.rows(); ++i)
-      if ((level < 0 || drawn.points(i, n_ - 1) == level) && !taken.count(i) &&
+      if ((level < 0 || std::fabs(drawn.points(i, n_ - 1) - level) < kSameLevel) && !taken.count(i) &&
           (best < 0 || drawn.values(i, draw) < drawn.values(best, draw)))
         best = i;
     return best;

@@ -110,6 +110,32 @@ TEST(Bayesian, AValleyThatMovesWithTheLevelIsFollowed) {
   }
 }
 
+/// Before it stops it looks beside the answer's level, for as long as that finds more than is missing there.
+TEST(Bayesian, LevelsBesideTheAnswerAreLookedAt) {
+  const auto lower_and_elsewhere_beside = [](const Eigen::VectorXd &x) {
+    const bool beside = x[4] == 0.75;
+    const Eigen::Array4d minimum = beside ? Eigen::Array4d(0.55, 0.2, 0.7, 0.7) : Eigen::Array4d(0.9, 0.05, 0.6, 0.8);
+    const Eigen::Array4d off = x.head(4).array() - minimum, weights(10, 10, 200, 40);
+    return (beside ? 4 : 12 + 8 * std::fabs(4 * x[4] - 2)) + (weights * off.square()).sum();
+  };
+  BayesianOptions options;
+  options.levels = 5;
+  for (options.seed = 1; options.seed <= 4; ++options.seed) {
+    const auto search = create_bayesian(5, options);
+    std::vector<double> levels;
+    while (!search->stop()) {
+      const MatrixRM samples = search->ask();
+      for (Eigen::Index i = 0; i < samples.rows(); ++i)
+        levels.push_back(samples(i, 4));
+      search->tell(samples, energies_of(samples, lower_and_elsewhere_beside));
+    }
+    const double answer = search->result().answer[4];
+    EXPECT_EQ(answer, 0.75) << options.seed;
+    for (const double beside : {answer - 0.25, answer + 0.25})
+      EXPECT_GT(std::count(levels.begin(), levels.end(), beside), 16) << options.seed;
+  }
+}
+
 TEST(Bayesian, GoesOnToTheSameBits) {
   BayesianOptions options;
   options.population = 8;

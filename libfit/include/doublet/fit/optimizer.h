@@ -106,7 +106,7 @@ struct BayesianOptions {
                "And when it expects, twice in a row, to gain less than this share; a large number = then at once"),
         option(&O::levels, "levels", Range{0, 64}, "",
                "Above 1, the last coordinate takes so many evenly spaced values; else it takes any",
-               "Groups of 16 samples share a value"),
+               "Groups of 16 samples share a value; those beside the answer's are looked at before the search stops"),
         option(&O::seed, "seed", at_least(0), "", "Seed of the random numbers"),
         not_serialised(&O::first, "first", "(K, n), K >= 4, the first generation; empty = 2 `population` points spread evenly"),
     };
