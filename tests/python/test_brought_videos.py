@@ -304,6 +304,24 @@ def test_a_counter_that_begins_anew_goes_on(numbers):
     assert in_order(sorted(files)) == files
 
 
+@pytest.mark.parametrize(
+    ("form", "orientation", "stored"),
+    [("png", 6, Image.ROTATE_90), ("webp", 3, Image.ROTATE_180), ("tif", 8, Image.ROTATE_270)],
+)
+def test_images_that_exif_turns_are_shown_upright(tmp_path, form, orientation, stored):
+    """The library itself turns JPEGs alone."""
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    for c in range(CAMERAS):
+        (tmp_path / f"films/cam{c}").mkdir(parents=True)
+        for n in range(3):
+            image = Image.fromarray(picture(n)).transpose(stored)
+            image.save(tmp_path / f"films/cam{c}/{n}.{form}", exif=exif, lossless=True)
+    messages = []
+    assert shown(session_of(tmp_path, messages, fps=25)) == [[0, 1, 2]] * CAMERAS
+    assert "coded anew: cam0, cam1" in messages
+
+
 def test_masks_of_a_series_with_a_gap_are_those_of_its_images(tmp_path):
     for c, numbers in enumerate([range(20), [k for k in range(20) if k != 7]]):
         save_series(tmp_path / f"films/cam{c}", numbers)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +15,7 @@ from PIL import Image, ImageOps
 MOST_NUMBER = 10**12  #: of an image; what is larger is a time
 LEAST_TICKS = 10  #: of a clock between two images
 UNEVEN = 0.3  #: of the usual step, by which one may be off
+ORIENTATION = 0x0112  #: EXIF's tag: how an image is turned, 1 = as it is stored
 COUNTERS = (10**4, 10**5, 10**6, 2**16, 2**32)  #: how many numbers a camera has before it begins anew
 
 
@@ -46,6 +48,11 @@ class ImageSeries:
     @property
     def stored_size(self) -> tuple[int, int]:
         return self.size
+
+    @cached_property
+    def is_turned(self) -> bool:
+        """Do EXIF data turn one of them that the library would show as it is stored?"""
+        return any(is_turned(file) for file in self.files)
 
     def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
         """As those of a video."""
@@ -120,12 +127,25 @@ def clock_step(stems: Sequence[str]) -> int:
     return usual if np.rint(gaps).min() >= 1 and np.abs(gaps - np.rint(gaps)).max() <= UNEVEN else 0
 
 
+def is_turned(path: Path) -> bool:
+    """Is an image stored otherwise than its EXIF data say that it is shown? Of a JPEG the library itself looks at these."""
+    with opened(path) as image:
+        return image.format not in ("JPEG", "MPO") and image.getexif().get(ORIENTATION, 1) not in (0, 1)
+
+
 def read_image(path: Path) -> Image.Image:
     """Decoded, and turned as its EXIF data say. Raises RuntimeError naming the file if that is not possible."""
+    with opened(path) as image:
+        image.load()
+        return ImageOps.exif_transpose(image)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Image.Image]:
+    """Raises RuntimeError naming the file for what cannot be read of it."""
     try:
         with Image.open(path) as image:
-            image.load()
-            return ImageOps.exif_transpose(image)
+            yield image
     except FileNotFoundError:
         raise
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:

@@ -24,6 +24,7 @@ from .timing import SAME_RATE
 
 CRF = 14  #: of libx264: what is coded a second time loses next to nothing
 ABSENT = 0.75  #: of a frame, by which the nearest image may be off
+PNG_MODES = ("1", "L", "LA", "P", "RGB", "RGBA", "I", "I;16")  #: of an image that is written as it is
 PLATE_FRAMES = 25  #: of a clean plate's video, whose median is taken
 
 
@@ -86,7 +87,7 @@ def write_cameras(folder: Path, cameras: Sequence[FilmedCamera]) -> None:
 def is_kept(camera: FilmedCamera, chosen: np.ndarray, fps: float) -> bool:
     """Nothing has to change: images may be chosen one by one, of a video no frame is left out after the first that is used."""
     if isinstance(camera.source, ImageSeries):
-        return True
+        return not camera.source.is_turned
     same_rate = abs(camera.source.fps - fps) <= SAME_RATE * fps
     return same_rate and camera.source.counted and not camera.source.rotation and bool((np.diff(chosen) == 1).all())
 
@@ -115,11 +116,16 @@ def absent_frames(source, chosen: np.ndarray, fps: float) -> set[int]:
 def write_frames(folder: Path, camera: FilmedCamera, chosen: np.ndarray, fps: float, copy: bool, report) -> str:
     """Returns the name in session.json."""
     if isinstance(camera.source, ImageSeries):
-        suffix, absent = camera.source.files[0].suffix, absent_frames(camera.source, chosen, fps)
+        kept, absent = is_kept(camera, chosen, fps), absent_frames(camera.source, chosen, fps)
+        suffix = camera.source.files[0].suffix if kept else ".png"
         for frame, number in enumerate(chosen):
             if frame in absent:
                 continue
-            link_or_copy(camera.source.files[number], folder / "videos" / camera.name / f"{frame:04d}{suffix}", copy)
+            source, target = camera.source.files[number], folder / "videos" / camera.name / f"{frame:04d}{suffix}"
+            if kept:
+                link_or_copy(source, target, copy)
+            else:
+                write_upright(source, target)
         return f"videos/{camera.name}/%04d{suffix}"
     if is_kept(camera, chosen, fps):
         name = f"videos/{camera.name}{camera.source.path.suffix}"
@@ -144,6 +150,13 @@ def chosen_frames(frames, chosen: np.ndarray, report):
             report(wanted / len(chosen))
             if wanted == len(chosen):
                 return
+
+
+def write_upright(path: Path, target: Path) -> None:
+    """An image that EXIF data turn, as it is shown, without loss."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    image = read_image(path)
+    (image if image.mode in PNG_MODES else image.convert("RGB")).save(target)
 
 
 def link_or_copy(path: Path, target: Path, copy: bool) -> None:
