@@ -494,6 +494,28 @@ def test_frames_without_key_points_are_left_out(tmp_path, form):
         CameraKeypoints(path, (64, 48)).of(6)
 
 
+def test_mmpose_writes_a_list_of_people_for_each_image(tmp_path):
+    (tmp_path / "cam0").mkdir()
+    for k, people in enumerate([person_at(7)["instances"], [], person_at(9)["instances"]]):
+        (tmp_path / f"cam0/{k:06d}.json").write_text(json.dumps(people))
+    (found,) = read_keypoints(tmp_path, ["cam0"], [3], [(64, 48)])
+    assert [found.of(t)[0, 0] for t in range(3)] == [7, 0, 9]
+
+
+def test_the_only_file_of_a_camera_may_lie_in_its_folder(tmp_path):
+    """As AlphaPose and MMPose write it into the folder that they are given."""
+    names = ["cam0", "cam1", "cam2"]
+    for name in names:
+        (tmp_path / name).mkdir()
+    people = [{"image_id": f"{n}.jpg", "keypoints": [n + 1.0, 1.0, 0.9] * 17} for n in range(3)]
+    frames = [{"frame_id": n, **person_at(n + 1)} for n in range(3)]
+    (tmp_path / "cam0/alphapose-results.json").write_text(json.dumps(people))
+    (tmp_path / "cam1/take3.json").write_text(json.dumps(frames))
+    (tmp_path / "cam2/take3.json").write_text(json.dumps({"instance_info": frames}))
+    for found in read_keypoints(tmp_path, names, [3] * 3, [(64, 48)] * 3):
+        assert [found.of(t)[0, 0] for t in range(3)] == [1, 2, 3]
+
+
 def test_a_list_of_people_names_the_image_of_each(tmp_path):
     """AlphaPose; in frame 1 there are two, in frame 2 nobody."""
     told = [(11, 11, 0.9), (1, 3, 0.1), (1, 1, 0.9), (0, 0, 0.9), (10, 10, 0.9), (3, 3, 0.9)]

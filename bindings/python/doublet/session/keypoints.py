@@ -141,12 +141,26 @@ def list_keypoints(path: Path) -> list[CameraFile]:
     entries = sorted(p for p in path.iterdir() if p.suffix == ".json" or (p.is_dir() and files_of_frames(p)))
     if not entries:
         raise FileNotFoundError(f"{path}: expected a JSON file, or a folder of them, for each camera, found none")
-    return [CameraFile(p.stem, p) for p in entries]
+    return [CameraFile(p.stem, file_of_all(p)) for p in entries]
 
 
 def files_of_frames(folder: Path) -> list[Path]:
     """OpenPose's, or the labels of YOLO."""
     return list(folder.glob("*.json")) or list(folder.glob("*.txt"))
+
+
+def file_of_all(path: Path) -> Path:
+    """The only file in a camera's folder, where it is of a whole video, as AlphaPose and MMPose write it; else the path."""
+    files = list(path.glob("*.json")) if path.is_dir() else []
+    return files[0] if len(files) == 1 and is_of_video(read_json(files[0])) else path
+
+
+def is_of_video(content) -> bool:
+    """Frames, not the people of one."""
+    if isinstance(content, dict):
+        return "instance_info" in content
+    entries = content if isinstance(content, list) else []
+    return bool(entries) and all(isinstance(entry, dict) and ("image_id" in entry or "frame_id" in entry) for entry in entries)
 
 
 def match_keypoints(names: Sequence[str], path: Path) -> dict[str, CameraFile]:
@@ -252,6 +266,8 @@ def people_of(found) -> list:
     if isinstance(found, dict) and isinstance(found.get("people"), list):  # OpenPose
         flat = [list_in(person, "pose_keypoints_2d") for person in found["people"] if isinstance(person, dict)]
         return [[numbers[i : i + 3] for i in range(0, len(numbers), 3)] for numbers in flat if numbers]
+    if isinstance(found, list) and any(isinstance(person, dict) and "keypoint_scores" in person for person in found):
+        found = {"instances": found}  # MMPose, of an image
     if isinstance(found, dict) and isinstance(found.get("instances"), list):  # RTMPose, MMPose
         people = [p for p in found["instances"] if isinstance(p, dict)]
         scored = [zip(list_in(p, "keypoints"), list_in(p, "keypoint_scores")) for p in people]
