@@ -430,6 +430,19 @@ def test_parts_of_a_person_may_be_dark_without_a_palette(tmp_path):
     np.testing.assert_array_equal(next(masks.masks()), ACTOR)
 
 
+@pytest.mark.parametrize(("values", "form"), [((38, 75, 113), "png"), ((60, 200), "png"), ((255, 255), "jpg")])
+def test_greys_below_a_half_are_objects_where_they_fill_areas(tmp_path, values, form):
+    """DAVIS's red, green and olive as grey; parts of a person, one of them dark; the traces of a JPEG are none of them."""
+    folder, whole = tmp_path / "cam0", np.zeros((HEIGHT, WIDTH), np.uint8)
+    folder.mkdir()
+    for k, value in enumerate(values):
+        whole[20 + 20 * k : 40 + 20 * k, 40:80] = value
+    for n in range(2):
+        Image.fromarray(whole).save(folder / f"{n}.{form}")
+    for mask in read_masks(folder, tuple(sorted(folder.iterdir()))).masks():
+        np.testing.assert_array_equal(mask, whole > 0)
+
+
 def test_shares_from_0_to_1_count_from_a_half_on(tmp_path):
     Image.fromarray(np.where(ACTOR, 0.9, 0.2).astype(np.float32)).save(tmp_path / "0.tiff")
     (mask,) = read_masks(tmp_path, (tmp_path / "0.tiff",)).masks()

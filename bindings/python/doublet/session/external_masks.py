@@ -14,7 +14,10 @@ from ..common.video import VideoFile, read_video
 
 NOTHING, TOO_MUCH = 0.0005, 0.6  #: share of the image
 LOOKED_AT = 12  #: images of a series from which its kind is told
-MOST_NUMBERS = 31  #: a series without brighter pixels holds numbers of objects
+MOST_NUMBERS = 31  #: of objects, or of values or colours that are such; a series without brighter pixels holds numbers
+HALF = 127  #: what is brighter is the actor, or else is not
+AREA = 0.2  #: of the pixels of an area at least have all their neighbours in it
+NOISE = 8  #: what is darker, and not 0, are traces of a JPEG
 BLACK = 16  #: what is darker in all channels is black, and what differs by less is grey
 MOST_GAPS = 2  #: how often somebody may leave the picture and come back
 KINDS = {
@@ -42,7 +45,7 @@ class ExternalMasks:
         if isinstance(self.source, VideoFile):
             alpha = self.kind == "alpha"
             for frame in self.source.frames(size, grey=alpha, alpha=alpha):
-                yield (frame if alpha else frame.max(axis=2)) > 127  # a red mask is one, too
+                yield (frame if alpha else frame.max(axis=2)) > HALF  # a red mask is one, too
             return
         for file in self.source.files:
             mask = decoded(read_image(file), self.kind)
@@ -78,8 +81,9 @@ def kind_of(images: list[Image.Image]) -> str:
         darkest = min(brightness(image).min() for image in shown)
         if palette or darkest < BLACK:
             return "colours" if darkest < BLACK else "palette"
-    brightest = max(brightness(image).max() for image in shown)
-    return "numbers" if 0 < brightest <= MOST_NUMBERS else "grey"
+    values = [brightness(image) for image in shown]
+    brightest = max(of.max() for of in values)
+    return "numbers" if 0 < brightest <= MOST_NUMBERS or are_numbers(values) else "grey"
 
 
 def seen(image: Image.Image) -> Image.Image:
@@ -95,6 +99,17 @@ def has_few_colours(images: list[Image.Image]) -> bool:
         return False
     looked = np.concatenate([np.asarray(image.convert("RGB"))[::5, ::5].reshape(-1, 3) for image in images])
     return len(np.unique(looked, axis=0)) <= MOST_NUMBERS
+
+
+def are_numbers(images: list[np.ndarray]) -> bool:
+    """Are greys below a half numbers of objects, too? They are few, 0 among them, and fill areas: on the edges of a mask they are
+    a line."""
+    found = np.unique(np.concatenate([image[::5, ::5].ravel() for image in images]))
+    if len(found) > MOST_NUMBERS or found[0] > 0 or any(((image > 0) & (image < NOISE)).any() for image in images):
+        return False
+    dark = [(image > 0) & (image <= HALF) for image in images]
+    within = [d[1:-1, 1:-1] & d[:-2, 1:-1] & d[2:, 1:-1] & d[1:-1, :-2] & d[1:-1, 2:] for d in dark]
+    return sum(int(w.sum()) for w in within) > AREA * sum(int(d.sum()) for d in dark)
 
 
 def is_coloured(image: Image.Image) -> bool:
@@ -119,14 +134,14 @@ def decoded(image: Image.Image, kind: str) -> np.ndarray:
     """bool (H, W)"""
     shown = seen(image)
     if kind == "alpha":
-        return np.asarray(shown.convert("RGBA").getchannel("A")) > 127
+        return np.asarray(shown.convert("RGBA").getchannel("A")) > HALF
     if kind == "colours":
         return brightness(shown) >= BLACK
     if kind == "numbers":
         return brightness(shown) > 0
     if kind == "palette":
         return np.asarray(image) > 0
-    return brightness(shown) > 127
+    return brightness(shown) > HALF
 
 
 def require_size(found: tuple[int, int], wanted: tuple[int, int], where: str) -> None:
