@@ -200,6 +200,25 @@ def test_a_stream_that_begins_between_key_frames(tmp_path):
     assert cam0 == cam1 and len(cam0) > 10
 
 
+def test_pixels_that_are_not_square_squeeze_the_calibration(tmp_path):
+    """As HDV has them: 1440 x 1080 that are shown, and were calibrated, as 1920 x 1080. Of a person's cameras it is refused."""
+    for c in range(CAMERAS):
+        film(tmp_path / f"films/cam{c}.mp4", range(6), "-c:v", "libx264", "-vf", "scale=120:120,setsar=4/3")
+    messages = []
+    session_of(tmp_path, messages)
+    assert any("scaled by 0.75 across, 1 down, as the file says" in message for message in messages)
+    for squeezed, camera in zip(d.read_calibration(tmp_path / "new/calibration.yml"), rig()):
+        assert (squeezed.camera.width, squeezed.camera.height) == (120, 120)
+        across, down = squeezed.project([0.2, 1.1, 0.1])
+        x, y = camera.project([0.2, 1.1, 0.1])
+        np.testing.assert_allclose([across, down], [0.75 * (x + 0.5) - 0.5, y], atol=1e-3)
+    (tmp_path / "seen").mkdir()
+    for c in range(CAMERAS):
+        (tmp_path / f"seen/cam{c}.json").write_text("[]")
+    with pytest.raises(ValueError, match=r"cam0\.mp4: expected square pixels, .* 120 x 120 that is shown as 160 x 120; ffmpeg"):
+        new_session(Request([tmp_path / "films"], None, tmp_path / "other", keypoints=tmp_path / "seen"))
+
+
 # --- series of images
 
 

@@ -49,6 +49,10 @@ class ImageSeries:
     def stored_size(self) -> tuple[int, int]:
         return self.size
 
+    @property
+    def shown_size(self) -> tuple[int, int]:
+        return self.size
+
     @cached_property
     def is_turned(self) -> bool:
         """Do EXIF data turn one of them that the library would show as it is stored?"""

@@ -19,7 +19,8 @@ from .programs import as_file, ffmpeg
 
 #: What ffprobe is asked: the stream as it is stored, how it is to be turned, and the time of every frame.
 PROBED = (
-    "format=format_name:stream=codec_name,pix_fmt,width,height,nb_frames,avg_frame_rate:stream_tags=rotate,alpha_mode"
+    "format=format_name:stream=codec_name,pix_fmt,width,height,sample_aspect_ratio,nb_frames,avg_frame_rate"
+    ":stream_tags=rotate,alpha_mode"
     ":stream_side_data=rotation:packet=pts_time,flags"
 )
 WITH_ALPHA = re.compile(r"yuva|gbrap|rgba|argb|abgr|bgra|ya8|ya16|pal8")  #: pixel formats
@@ -41,11 +42,18 @@ class VideoFile:
     clock: float  # s, what the file's clock shows at the first
     counted: bool = True  # its frames are those that the container says, from the first on: any reader finds them by number
     alpha: str | None = None  # it has an alpha channel, which this decoder reads; empty = any
+    aspect: float = 1.0  # width of a stored pixel, in heights
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height as players show it, px."""
+        """Width and height as players turn it, px."""
         return self.stored_size[::-1] if self.rotation % 180 else self.stored_size
+
+    @property
+    def shown_size(self) -> tuple[int, int]:
+        """The same as players show it, in square pixels."""
+        width, height = round(self.stored_size[0] * self.aspect), self.stored_size[1]
+        return (height, width) if self.rotation % 180 else (width, height)
 
     @property
     def fps(self) -> float:
@@ -127,6 +135,7 @@ def read_video(path: Path) -> VideoFile:
         float(times[0]),
         timed and len(times) == len(packets) and stated in (0, len(packets)),
         alpha_of(stream),
+        aspect_of(stream.get("sample_aspect_ratio", "")),
     )
 
 
@@ -182,6 +191,12 @@ def alpha_of(stream: dict) -> str | None:
         return ""
     tags = {name.lower(): value for name, value in stream.get("tags", {}).items()}
     return ALPHA_DECODERS.get(stream.get("codec_name")) if tags.get("alpha_mode") == "1" else None
+
+
+def aspect_of(stated: str) -> float:
+    """Of a pixel: 4:3 is wide; 1 where the file does not say."""
+    width, _, height = stated.partition(":")
+    return int(width) / int(height) if width.isdigit() and height.isdigit() and int(width) * int(height) else 1.0
 
 
 def probe(path: Path, stream: str, entries: str = PROBED, options: tuple[str, ...] = ()) -> dict:

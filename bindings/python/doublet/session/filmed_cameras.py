@@ -19,6 +19,7 @@ from .keypoints import match_keypoints
 from .request import FilmedCamera, Request
 
 SQUEEZED = 1.1  #: how much more one axis may be scaled than the other
+SQUARE = 0.02  #: share by which the sides of a square pixel may differ
 
 
 def filmed_cameras(request: Request, console: Console, messages: list[str]) -> list[FilmedCamera]:
@@ -39,6 +40,7 @@ def filmed_cameras(request: Request, console: Console, messages: list[str]) -> l
         if calibrated:
             cameras.append(fitted(calibrated[index], source, request.scale_calibration, messages))
         else:
+            require_square(source)
             cameras.append(FilmedCamera(unplaced_camera(name, source.size), source))
         cameras[-1].plate = plates.get(name)
         if name in masks:
@@ -169,9 +171,11 @@ def fitted(calibrated: d.CalibratedCamera, source, squeezed: bool, messages: lis
     width, height = source.size
     across, down = width / camera.width, height / camera.height
     close = max(across / down, down / across) < SQUEEZED
-    if squeezed and close:
+    wide = source.shown_size != source.size and common_factor((camera.width, camera.height), source.shown_size)
+    if wide or (squeezed and close):
         messages.append(
             f"{camera.name}: calibration of {camera.width} x {camera.height} scaled by {across:.4g} across, {down:.4g} down"
+            + (", as the file says that its pixels are not square" if wide else "")
         )
         return FilmedCamera(d.CalibratedCamera(camera.resized(width, height), calibrated.lens), source)
     turned = common_factor((camera.height, camera.width), (width, height))
@@ -182,6 +186,16 @@ def fitted(calibrated: d.CalibratedCamera, source, squeezed: bool, messages: lis
         f"{source.path}: expected {camera.width} x {camera.height} pixels as the calibration of camera '{camera.name}' says, "
         f"or these scaled, found {width} x {height}{advice}"
     )
+
+
+def require_square(source: VideoFile | ImageSeries) -> None:
+    """Cameras that are found from a person are taken to have square pixels."""
+    shown, size = source.shown_size, source.size
+    if abs(shown[0] * size[1] - shown[1] * size[0]) > SQUARE * size[0] * size[1]:
+        raise ValueError(
+            f"{source.path}: expected square pixels, as --calibrate takes them to be, found a video of {size[0]} x {size[1]} "
+            f"that is shown as {shown[0]} x {shown[1]}; ffmpeg -i IN -vf scale=iw*sar:ih,setsar=1 OUT"
+        )
 
 
 def common_factor(before: tuple[int, int], after: tuple[int, int]) -> float:
