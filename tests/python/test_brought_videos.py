@@ -239,6 +239,17 @@ def test_a_series_with_a_gap_stays_in_step(tmp_path, form):
     assert any(m.startswith("cam1: 3 images are missing by their numbers, the first behind ") for m in messages)
 
 
+def test_one_format_may_be_spelled_in_several_ways(tmp_path):
+    for c in range(CAMERAS):
+        save_series(tmp_path / f"films/cam{c}", range(3), form="{:06d}.jpg")
+        (tmp_path / f"films/cam{c}/000102.jpg").rename(tmp_path / f"films/cam{c}/000102.JPG")
+        (tmp_path / f"films/cam{c}/000103.jpg").rename(tmp_path / f"films/cam{c}/000103.jpeg")
+    assert shown(session_of(tmp_path, fps=25)) == [[0, 1, 2]] * CAMERAS
+    (tmp_path / "films/cam0/000101.jpg").rename(tmp_path / "films/cam0/000101.png")
+    with pytest.raises(ValueError, match=r"cam0: expected images of one format, found \.JPG, \.jpeg, \.png$"):
+        session_of(tmp_path, fps=25, force=True)
+
+
 def test_a_series_that_lost_its_first_images_stays_in_step(tmp_path):
     save_series(tmp_path / "films/cam0", range(20))
     save_series(tmp_path / "films/cam1", range(3, 20))

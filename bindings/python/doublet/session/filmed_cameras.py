@@ -19,6 +19,7 @@ from .keypoints import match_keypoints
 from .request import FilmedCamera, Request
 
 SQUEEZED = 1.1  #: how much more one axis may be scaled than the other
+SPELLED = {".jpeg": ".jpg", ".tiff": ".tif"}  #: endings of one format
 SQUARE = 0.02  #: share by which the sides of a square pixel may differ
 
 
@@ -96,10 +97,9 @@ def read_source(file: CameraFile, fps: float | None) -> VideoFile | ImageSeries:
         return read_video(file.path)
     if not fps:
         raise ValueError(f"{file.path}: expected the frame rate of the images, which they do not say: --fps")
-    if len({image.suffix for image in file.images}) > 1:
-        raise ValueError(
-            f"{file.path}: expected images of one format, found {', '.join(sorted({i.suffix for i in file.images}))}"
-        )
+    suffixes = sorted({image.suffix for image in file.images})
+    if len({SPELLED.get(suffix.lower(), suffix.lower()) for suffix in suffixes}) > 1:
+        raise ValueError(f"{file.path}: expected images of one format, found {', '.join(suffixes)}")
     return ImageSeries(file.path, file.images, fps)
 
 
