@@ -200,6 +200,20 @@ def test_a_stream_that_begins_between_key_frames(tmp_path):
     assert cam0 == cam1 and len(cam0) > 10
 
 
+@pytest.mark.parametrize("ending", ["ts", "h264"])
+def test_streams_of_cameras_are_videos(tmp_path, ending):
+    for c in range(CAMERAS):
+        film(tmp_path / f"films/cam{c}.{ending}", range(4))
+    assert shown(session_of(tmp_path)) == [list(range(4))] * CAMERAS
+
+
+@pytest.mark.parametrize("ending", ["ppm", "jfif"])
+def test_images_of_other_programs_are_images(tmp_path, ending):
+    for c in range(CAMERAS):
+        save_series(tmp_path / f"films/cam{c}", range(2), form=f"{{:06d}}.{ending}")
+    assert shown(session_of(tmp_path, fps=25)) == [[0, 1]] * CAMERAS
+
+
 def test_pixels_that_are_not_square_squeeze_the_calibration(tmp_path):
     """As HDV has them: 1440 x 1080 that are shown, and were calibrated, as 1920 x 1080. Of a person's cameras it is refused."""
     for c in range(CAMERAS):

@@ -11,8 +11,9 @@ from pathlib import Path
 
 from ..common.images import in_order
 
-VIDEOS = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".m2ts", ".mpg", ".mpeg", ".wmv", ".mxf", ".3gp", ".ogv"}
-IMAGES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"}
+VIDEOS = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".m2ts", ".ts", ".mpg", ".mpeg", ".vob", ".wmv", ".mxf"}
+VIDEOS |= {".3gp", ".3g2", ".ogv", ".flv", ".y4m", ".h264", ".hevc", ".mjpeg"}
+IMAGES = {".png", ".jpg", ".jpeg", ".jpe", ".jfif", ".jp2", ".bmp", ".tif", ".tiff", ".webp", ".tga", ".ppm", ".pgm"}
 
 
 @dataclass(frozen=True)

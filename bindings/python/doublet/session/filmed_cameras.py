@@ -19,7 +19,7 @@ from .keypoints import match_keypoints
 from .request import FilmedCamera, Request
 
 SQUEEZED = 1.1  #: how much more one axis may be scaled than the other
-SPELLED = {".jpeg": ".jpg", ".tiff": ".tif"}  #: endings of one format
+SPELLED = {".jpeg": ".jpg", ".jpe": ".jpg", ".jfif": ".jpg", ".tiff": ".tif"}  #: endings of one format
 SQUARE = 0.02  #: share by which the sides of a square pixel may differ
 
 
