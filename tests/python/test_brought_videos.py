@@ -573,6 +573,15 @@ def test_the_only_file_of_a_camera_may_lie_in_its_folder(tmp_path):
         assert [found.of(t)[0, 0] for t in range(3)] == [1, 2, 3]
 
 
+def test_what_macos_keeps_beside_files_are_no_key_points(tmp_path):
+    (tmp_path / "cam0").mkdir()
+    for path in (tmp_path / "cam0/000000000000_keypoints.json", tmp_path / "cam1.json"):
+        path.write_text(json.dumps(person_at(7) if path.parent.name == "cam0" else [{"frame_id": 0, **person_at(8)}]))
+        (path.parent / f"._{path.name}").write_bytes(b"\0\5\26\7Mac OS X")
+    found = read_keypoints(tmp_path, ["cam0", "cam1"], [1, 1], [(64, 48)] * 2)
+    assert [keypoints.of(0)[0, 0] for keypoints in found] == [7, 8]
+
+
 def test_a_list_of_people_names_the_image_of_each(tmp_path):
     """AlphaPose; in frame 1 there are two, in frame 2 nobody."""
     told = [(11, 11, 0.9), (1, 3, 0.1), (1, 1, 0.9), (0, 0, 0.9), (10, 10, 0.9), (3, 3, 0.9)]

@@ -43,7 +43,7 @@ def list_files(paths: Sequence[Path], single_images: bool = False) -> list[Camer
 
 def inside(folder: Path, single_images: bool) -> list[CameraFile]:
     """Videos, subfolders with a camera each, and images, which are series by their names."""
-    children = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
+    children = visible(folder)
     found = [of_file(path) for path in children if path.suffix.lower() in VIDEOS]
     found += [file for path in children if path.is_dir() for file in one_folder(path, single_images)]
     images = [path for path in children if path.suffix.lower() in IMAGES]
@@ -54,7 +54,7 @@ def inside(folder: Path, single_images: bool) -> list[CameraFile]:
 
 def one_folder(folder: Path, single_images: bool) -> list[CameraFile]:
     """A camera's own folder: its images, or its only video; the folder's name is the camera's."""
-    children = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
+    children = visible(folder)
     videos = [path for path in children if path.suffix.lower() in VIDEOS]
     images = [path for path in children if path.suffix.lower() in IMAGES]
     if len(videos) > 1:
@@ -62,6 +62,11 @@ def one_folder(folder: Path, single_images: bool) -> list[CameraFile]:
     if videos or (images and single_images):
         return [CameraFile(folder.name, (videos or images)[0])]
     return [CameraFile(folder.name, folder, tuple(in_order(images)))] if images else []
+
+
+def visible(folder: Path, pattern: str = "*") -> list[Path]:
+    """What is in a folder, without what the system keeps there: ._cam0.mp4 beside cam0.mp4."""
+    return sorted(path for path in folder.glob(pattern) if not path.name.startswith("."))
 
 
 def of_file(path: Path) -> CameraFile:

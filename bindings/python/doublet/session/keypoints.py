@@ -16,7 +16,7 @@ from .. import _doublet as d
 from ..common.files import read_json, require_file, written_atomically
 from ..common.images import MOST_NUMBER, ImageSeries, counted, in_order, numbers_of
 from ..common.video import VideoFile, read_video
-from .camera_files import VIDEOS, CameraFile, match
+from .camera_files import VIDEOS, CameraFile, match, visible
 
 #: In the order of kKeypointNames (doublet/capture/keypoints.h).
 JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
@@ -138,7 +138,7 @@ def shown_at(frame: int, whole: np.ndarray, camera: d.SessionCamera, frame_count
 def list_keypoints(path: Path) -> list[CameraFile]:
     if not path.is_dir():
         raise FileNotFoundError(f"{path}: expected a folder with the keypoints of each camera, found none")
-    entries = sorted(p for p in path.iterdir() if p.suffix == ".json" or (p.is_dir() and files_of_frames(p)))
+    entries = [p for p in visible(path) if p.suffix == ".json" or (p.is_dir() and files_of_frames(p))]
     if not entries:
         raise FileNotFoundError(f"{path}: expected a JSON file, or a folder of them, for each camera, found none")
     return [CameraFile(p.stem, file_of_all(p)) for p in entries]
@@ -146,12 +146,12 @@ def list_keypoints(path: Path) -> list[CameraFile]:
 
 def files_of_frames(folder: Path) -> list[Path]:
     """OpenPose's, or the labels of YOLO."""
-    return list(folder.glob("*.json")) or list(folder.glob("*.txt"))
+    return visible(folder, "*.json") or visible(folder, "*.txt")
 
 
 def file_of_all(path: Path) -> Path:
     """The only file in a camera's folder, where it is of a whole video, as AlphaPose and MMPose write it; else the path."""
-    files = list(path.glob("*.json")) if path.is_dir() else []
+    files = visible(path, "*.json") if path.is_dir() else []
     return files[0] if len(files) == 1 and is_of_video(read_json(files[0])) else path
 
 
