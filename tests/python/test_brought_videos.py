@@ -12,7 +12,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet.common.images import counted, in_order
+from doublet.common.images import ImageSeries, counted, in_order
 from doublet.common.video import rate_of, read_video
 from doublet.session.external_masks import read_masks
 from doublet.session.keypoints import CameraKeypoints, joints_of, read_keypoints
@@ -251,6 +251,22 @@ def test_a_series_with_a_gap_stays_in_step(tmp_path, form):
     assert cam0 == list(range(20))
     assert cam1 == [None if k in (7, 12, 13) else k for k in range(20)]
     assert any(m.startswith("cam1: 3 images are missing by their numbers, the first behind ") for m in messages)
+
+
+def test_of_16_bits_the_upper_eight_are_seen(tmp_path):
+    """In clean plates and in what tells when cameras began, as in the frames that the library reads."""
+    ramp = np.tile(np.linspace(0, 65535, WIDTH).astype(np.uint16), (HEIGHT, 1))
+    for c in range(CAMERAS):
+        for folder in ("films", "plates"):
+            (tmp_path / folder / f"cam{c}").mkdir(parents=True)
+        Image.fromarray(ramp).save(tmp_path / f"plates/cam{c}/plate.png")
+        for n in range(2):
+            Image.fromarray(ramp).save(tmp_path / f"films/cam{c}/{n}.png")
+    frames = session_of(tmp_path, fps=25, background=[tmp_path / "plates"])
+    np.testing.assert_array_equal(frames.image(0, 0)[..., 0], ramp >> 8)
+    np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "new/background/cam0.png"))[..., 0], ramp >> 8)
+    series = ImageSeries(tmp_path, (tmp_path / "films/cam0/0.png",), 25)
+    np.testing.assert_array_equal(next(series.frames(grey=True)), ramp >> 8)
 
 
 def test_one_format_may_be_spelled_in_several_ways(tmp_path):

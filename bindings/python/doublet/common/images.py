@@ -61,8 +61,7 @@ class ImageSeries:
     def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
         """As those of a video."""
         for file in self.files:
-            image = read_image(file)
-            image = image.convert("L" if grey else "RGB")
+            image = converted(read_image(file), "L" if grey else "RGB")
             image = image.resize(size, Image.BOX) if size else image
             yield np.asarray(image) if grey else np.asarray(image)[..., ::-1]
 
@@ -142,6 +141,13 @@ def read_image(path: Path) -> Image.Image:
     with opened(path) as image:
         image.load()
         return ImageOps.exif_transpose(image)
+
+
+def converted(image: Image.Image, mode: str) -> Image.Image:
+    """Of 16 bits the upper eight count, as in the library."""
+    if image.mode.startswith("I"):
+        image = Image.fromarray((np.asarray(image) >> 8).astype(np.uint8))
+    return image.convert(mode)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from PIL import Image
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.files import write_json
-from ..common.images import ImageSeries, read_image
+from ..common.images import ImageSeries, converted, read_image
 from ..common.video import VideoWriter, read_video
 from .external_masks import require_plausible, require_size
 from .filmed_cameras import SQUEEZED, common_factor
@@ -207,7 +207,7 @@ def write_plate(folder: Path, camera: FilmedCamera, messages: list[str]) -> str:
 def plate_of(path: Path) -> Image.Image:
     """An image, or the median of a video's frames."""
     try:
-        return read_image(path).convert("RGB")
+        return converted(read_image(path), "RGB")
     except RuntimeError:
         video = read_video(path)
     chosen = np.unique(np.linspace(0, len(video.times) - 1, PLATE_FRAMES).round().astype(int))
