@@ -490,6 +490,18 @@ def test_parts_of_a_person_may_be_dark_without_a_palette(tmp_path):
     np.testing.assert_array_equal(next(masks.masks()), ACTOR)
 
 
+def test_cut_outs_on_black_are_masks_however_dark_the_clothes(tmp_path):
+    folder, whole = tmp_path / "cam0", np.zeros((HEIGHT, WIDTH), bool)
+    folder.mkdir()
+    whole[20:100, 40:80] = True
+    clothes = np.random.default_rng(1).integers((20, 25, 30), (60, 90, 250), (HEIGHT, WIDTH, 3)).astype(np.uint8)
+    clothes[60:, :, 2] = 30
+    for n in range(2):
+        Image.fromarray(clothes * whole[..., None].astype(np.uint8)).save(folder / f"{n}.png")
+    for mask in read_masks(folder, tuple(sorted(folder.iterdir()))).masks():
+        np.testing.assert_array_equal(mask, whole)
+
+
 @pytest.mark.parametrize(("values", "form"), [((38, 75, 113), "png"), ((60, 200), "png"), ((255, 255), "jpg")])
 def test_greys_below_a_half_are_objects_where_they_fill_areas(tmp_path, values, form):
     """DAVIS's red, green and olive as grey; parts of a person, one of them dark; the traces of a JPEG are none of them."""

@@ -18,13 +18,14 @@ MOST_NUMBERS = 31  #: of objects, or of values or colours that are such; a serie
 HALF = 127  #: what is brighter is the actor, or else is not
 AREA = 0.2  #: of the pixels of an area at least have all their neighbours in it
 NOISE = 8  #: what is darker, and not 0, are traces of a JPEG
+MOST_SHOWN, TRACES = 0.7, 0.05  #: share of cut-outs that is not black; share of that which is nearly
 BLACK = 16  #: what is darker in all channels is black, and what differs by less is grey
 MOST_GAPS = 2  #: how often somebody may leave the picture and come back
 KINDS = {
     "alpha": "where they are not transparent (cut-outs)",
     "numbers": "where their pixels are not 0 (numbers of objects)",
     "palette": "where their pixels are not of the palette's first colour",
-    "colours": "where they are not black (colours of objects)",
+    "colours": "where they are not black (colours of objects, cut-outs on black)",
     "grey": "where they are brighter than half",
 }
 
@@ -77,7 +78,7 @@ def kind_of(images: list[Image.Image]) -> str:
     shown = [seen(image) for image in images]
     if all("A" in image.getbands() for image in shown) and any(image.getextrema()[-1][0] < 255 for image in shown):
         return "alpha"
-    if (palette or has_few_colours(shown)) and any(is_coloured(image) for image in shown):
+    if any(is_coloured(image) for image in shown) and (palette or has_few_colours(shown) or are_cut_outs(shown)):
         darkest = min(brightness(image).min() for image in shown)
         if palette or darkest < BLACK:
             return "colours" if darkest < BLACK else "palette"
@@ -99,6 +100,15 @@ def has_few_colours(images: list[Image.Image]) -> bool:
         return False
     looked = np.concatenate([np.asarray(image.convert("RGB"))[::5, ::5].reshape(-1, 3) for image in images])
     return len(np.unique(looked, axis=0)) <= MOST_NUMBERS
+
+
+def are_cut_outs(images: list[Image.Image]) -> bool:
+    """Pictures of which everything but the actor was made black, and that no JPEG has blurred since."""
+    if any(image.mode not in ("RGB", "RGBA") for image in images):
+        return False
+    values = np.concatenate([brightness(image)[::5, ::5].ravel() for image in images])
+    shown = values[values > 0]
+    return len(shown) < MOST_SHOWN * len(values) and bool((shown < NOISE).mean() < TRACES) if len(shown) else False
 
 
 def are_numbers(images: list[np.ndarray]) -> bool:
