@@ -9,7 +9,7 @@ import pytest
 from doublet.cli import program as cli
 from doublet.common.video import VideoWriter, decoded_times, probe, read_video
 from doublet.export.animate import write_video
-from doublet.export.video_camera import FILLED, Shot, cameras_along, projected, skinned
+from doublet.export.video_camera import FILLED, FILLED_ACROSS, Shot, cameras_along, projected, skinned
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World  # noqa: E402
@@ -37,9 +37,9 @@ def test_colours_are_those_of_the_picture_and_players_are_told(character, tmp_pa
     assert np.abs(corner - np.array([0.1, 0.1, 0.9]) * 255).max() < 6
 
 
-def walk(character, metres):
+def walk(character, metres, along="tx"):
     dofs = np.zeros((80, len(character.actor.skeleton.dof_names)))
-    dofs[:, character.actor.skeleton.dof_names.index("pelvis.tx")] = np.linspace(0, metres, 80)
+    dofs[:, character.actor.skeleton.dof_names.index(f"pelvis.{along}")] = np.linspace(0, metres, 80)
     return d.Motion(40, dofs)
 
 
@@ -71,6 +71,16 @@ def test_who_walks_away_is_followed(character):
     assert across[:, 0].max() < 0.4 and np.abs(across[[0, -1], 1]).min() > 0.5
     automatic = cameras_along(character, motion, 80, Shot())
     assert not np.allclose(automatic[0].centre, automatic[-1].centre)
+
+
+@pytest.mark.parametrize("metres", [10.0, 100.0, -100.0])
+def test_who_walks_to_the_camera_does_not_pass_it(character, metres):
+    shot, motion = Shot(1280, 720, camera="front"), walk(character, metres, "tz")
+    camera = cameras_along(character, motion, 80, shot)[0]
+    bodies = np.array([skinned(character, dofs) for dofs in motion.dofs])
+    assert (bodies @ camera.R.T + camera.t)[..., 2].min() > 0
+    places = np.abs(projected(bodies.reshape(-1, 3), camera)) * camera.K[0, 0] / [shot.width / 2, shot.height / 2]
+    assert places[:, 0].max() < FILLED_ACROSS + 0.01 and FILLED - 0.02 < places[:, 1].max() < FILLED + 0.01
 
 
 @pytest.mark.parametrize("camera", ["front", "follow", "orbit"])

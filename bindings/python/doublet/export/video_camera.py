@@ -43,15 +43,14 @@ def cameras_along(character: d.Character, motion: d.Motion, count: int, shot: Sh
     path = smooth_path(joints[:, 0], motion.fps)
     if shot.camera == "front" or (shot.camera == "auto" and reach(path) < STILL):
         bodies = [skinned(character, motion.dofs[t]) for t in looked_at(joints)]
-        target, radius = framed(np.concatenate(bodies), [AZIMUTH], shot)
+        target, radius = framed(np.concatenate(bodies), shot)
         return [camera_at(target, radius, AZIMUTH, shot)] * count
     around = np.concatenate([skinned(character, motion.dofs[t]) - path[t] for t in looked_at(joints - path[:, None])])
     if shot.camera == "orbit":
-        views = np.linspace(0, 2 * np.pi, VIEWS, endpoint=False)
-        offset, radius = framed(around, views, shot, np.zeros(3))
+        offset, radius = framed_from_all_sides(around, shot)
         azimuths = AZIMUTH + 2 * np.pi * np.arange(count) * character.solver.dt / shot.turn_seconds
     else:
-        offset, radius = framed(around, [AZIMUTH], shot)
+        offset, radius = framed(around, shot)
         azimuths = np.full(count, AZIMUTH)
     return [camera_at(path[t] + offset, radius, azimuth, shot) for t, azimuth in zip(frames, azimuths)]
 
@@ -88,27 +87,34 @@ def smooth_path(path: np.ndarray, fps: float) -> np.ndarray:
     return smooth * [1, 0, 1]
 
 
-def framed(points: np.ndarray, azimuths, shot: Shot, target: np.ndarray | None = None) -> tuple[np.ndarray, float]:
-    """Target and radius of an orbit camera to which the points (N, 3) fill the picture from all these sides. A given target is
-    moved up and down alone: the camera goes round it."""
-    given = target is not None
-    target = np.array(target if given else (points.min(axis=0) + points.max(axis=0)) / 2, float)
-    target[1] = (points[:, 1].min() + points[:, 1].max()) / 2
-    radius = 1.0
+def framed(points: np.ndarray, shot: Shot) -> tuple[np.ndarray, float]:
+    """Target and radius of the camera that stands as near as it can with all points (N, 3) in the picture."""
+    unit = camera_at(np.zeros(3), 1.0, AZIMUTH, shot)  # at how many m it stands for each m of radius
+    seen = points @ unit.R.T
+    slopes = filled(shot) / unit.K[0, 0]
+    # The sides of what is seen are planes: each is moved to the points, and the camera is where the narrower pair meets.
+    low, high = (seen[:, :2] + slopes * seen[:, 2:]).min(axis=0), (seen[:, :2] - slopes * seen[:, 2:]).max(axis=0)
+    depth = ((low - high) / (2 * slopes)).min()
+    distance = (seen[:, 2].min() + seen[:, 2].max()) / 2 - depth
+    return unit.R.T @ [*((low + high) / 2), depth + distance], distance / np.linalg.norm(unit.centre)
+
+
+def framed_from_all_sides(points: np.ndarray, shot: Shot) -> tuple[np.ndarray, float]:
+    """Target, above or below the origin, and radius of an orbit camera to which the points (N, 3) fill the picture."""
+    target, radius = np.array([0, (points[:, 1].min() + points[:, 1].max()) / 2, 0]), 1.0
     for _ in range(8):  # perspective: a step leaves a tenth of what is off
-        cameras = [camera_at(target, radius, azimuth, shot) for azimuth in azimuths]
+        cameras = [camera_at(target, radius, azimuth, shot) for azimuth in np.linspace(0, 2 * np.pi, VIEWS, endpoint=False)]
         places = np.concatenate([projected(points, camera) for camera in cameras])
         low, high = places.min(axis=0), places.max(axis=0)
-        half = (high - low) / 2
-        scale = np.linalg.norm(cameras[0].centre - target)
-        target[1] -= scale * (low + high)[1] / 2
-        if given:
-            half[0] = max(-low[0], high[0])
-        else:
-            target += scale * (low + high)[0] / 2 * cameras[0].R[0]
-        half *= cameras[0].K[0, 0]
-        radius *= max(half[1] / (FILLED * shot.height / 2), half[0] / (FILLED_ACROSS * shot.width / 2))
+        target[1] -= np.linalg.norm(cameras[0].centre - target) * (low + high)[1] / 2
+        half = np.array([max(-low[0], high[0]), (high - low)[1] / 2])
+        radius *= (half * cameras[0].K[0, 0] / filled(shot)).max()
     return target, radius
+
+
+def filled(shot: Shot) -> np.ndarray:
+    """px from the middle of the picture, across and down, to which people may reach."""
+    return np.array([FILLED_ACROSS * shot.width, FILLED * shot.height]) / 2
 
 
 def projected(points: np.ndarray, camera: d.Camera) -> np.ndarray:
