@@ -29,6 +29,14 @@ def test_a_name_with_a_colon_is_no_protocol(tmp_path, monkeypatch):
     assert len(found.times) == len(decoded_times(found.path)) == len(list(found.frames())) == 3
 
 
+@pytest.mark.parametrize(("fps", "stated"), [(30000 / 1001, "30000/1001"), (1 / (1001 / 24000), "24000/1001"), (40.0, "40/1")])
+def test_a_broadcast_rate_is_kept_as_editors_know_it(tmp_path, fps, stated):
+    with VideoWriter(tmp_path / "a.mp4", 64, 48, fps) as video:
+        for _ in range(3):
+            video.write(np.zeros((48, 64, 3), np.uint8))
+    assert probe(tmp_path / "a.mp4", "V:0", "stream=r_frame_rate")["streams"] == [{"r_frame_rate": stated}]
+
+
 def test_colours_are_those_of_the_picture_and_players_are_told(character, tmp_path):
     shot = Shot(64, 64, background=(0.9, 0.1, 0.1))
     write_video(character, walk(character, 0.0), tmp_path / "red.mp4", d.Context(), shot)

@@ -9,6 +9,7 @@ import struct
 import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
@@ -28,6 +29,7 @@ ALPHA_DECODERS = {"vp8": "libvpx", "vp9": "libvpx-vp9"}  #: ffmpeg's own ones le
 NO_FFMPEG = "the program ffmpeg is not installed; a video needs it (apt install ffmpeg, or pip install imageio-ffmpeg)"
 EVEN = 0.1  #: of a frame, by which the times of one rate may be rounded
 ROUNDED = 1e-6  #: of a frame's time, by which its number may be off
+NTSC = 1001  #: denominator of broadcast rates: 30000/1001
 DROPPED = 0.3  #: of a frame, by which the times of a clock may be off whose frames were dropped
 
 
@@ -265,7 +267,8 @@ class VideoWriter:
             raise FileNotFoundError(NO_FFMPEG)
         height, width, _ = self.shape
         self._file = written_atomically(self.path)
-        raw = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
+        rate = Fraction(float(self.fps)).limit_denominator(NTSC)
+        raw = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", str(rate), "-i", "-"]
         # Colour of half the resolution needs even sizes.
         pixels = "yuv420p" if width % 2 == height % 2 == 0 else "yuv444p"
         coded = [
