@@ -108,6 +108,16 @@ def test_a_texture_that_was_turned_by_its_camera_is_taken_as_it_looks(file, tmp_
     assert Image.open(io.BytesIO(bytes(character.texture))).getexif().get(0x0112, 1) == 1
 
 
+def test_a_texture_in_printers_inks_becomes_one_of_light(file, tmp_path):
+    """glTF has no CMYK: viewers that do not decode it, and the validator, refuse the whole file."""
+    character = d.Character.read(file)
+    painted = Image.fromarray(np.full(picture(character).shape, [200, 100, 50], np.uint8))
+    painted.convert("CMYK").save(tmp_path / "print.jpg", quality=95)
+    set_texture(character, tmp_path / "print.jpg")
+    assert Image.open(io.BytesIO(bytes(character.texture))).mode == "RGB"
+    assert np.abs(picture(character) - np.array(painted, float)).mean() < 3
+
+
 def test_what_is_written_is_the_texture(file, tmp_path, capsys):
     assert run(file, "--write-texture", tmp_path / "atlas.xyz") == 0
     path = Path(capsys.readouterr().out.strip())

@@ -37,8 +37,8 @@ def linear(rgb: Sequence[int]) -> np.ndarray:
 
 def set_texture(character: d.Character, file: Path) -> None:
     """Another picture for M_high, laid out as its own (write_texture() has that): what is drawn of the hidden body apart from it
-    takes the colour that its like has in the new picture. A picture that EXIF data turn is taken as it looks. Raises RuntimeError
-    naming the file if it is no PNG or JPEG, or of other proportions."""
+    takes the colour that its like has in the new picture. A picture that EXIF data turn, or in printer's inks (CMYK), is taken as
+    it looks. Raises RuntimeError naming the file if it is no PNG or JPEG, or of other proportions."""
     if not len(character.texcoords):
         raise ValueError(f"{character.name}: expected a character with a texture to replace, found none")
     picture, content = read_image(file), Path(file).read_bytes()
@@ -54,9 +54,12 @@ def set_texture(character: d.Character, file: Path) -> None:
 
 
 def as_it_looks(picture: Image.Image, content: bytes) -> bytes:
-    """The file's content; of a picture that EXIF data turn, the turned one written anew: renderers look at no such data."""
-    turned = Image.open(io.BytesIO(content)).getexif().get(ORIENTATION, 1) != 1
-    return encoded(picture, content.startswith(PNG)) if turned else content
+    """The file's content; of a picture that EXIF data turn, the turned one written anew: renderers look at no such data. So is
+    one in CMYK, which glTF does not have."""
+    stored = Image.open(io.BytesIO(content))
+    if stored.mode == "CMYK":
+        return encoded(picture.convert("RGB"), png=False)
+    return encoded(picture, content.startswith(PNG)) if stored.getexif().get(ORIENTATION, 1) != 1 else content
 
 
 def encoded(picture: Image.Image, png: bool) -> bytes:
