@@ -68,6 +68,14 @@ def test_it_walks_the_way_of_the_world(tmp_path):
     np.testing.assert_allclose(clip.positions[-1][0] - clip.positions[0][0], [0, 0, -0.2], atol=1e-9)
 
 
+def test_names_may_be_in_capitals(world, tmp_path):
+    """As those of other motion files may."""
+    assert read_clip(smpl(tmp_path / "a.npz").rename(tmp_path / "AMASS.NPZ")).frame_count == FRAMES
+    np.savez(tmp_path / "own.npz", dofs=np.zeros((FRAMES, len(world.skeleton.dof_names))))
+    own = (tmp_path / "own.npz").rename(tmp_path / "OWN.NPZ")
+    assert len(read_motion(own, world.character, d.RetargetOptions())) == FRAMES
+
+
 def test_pickled_poses_are_to_be_arrays(world, tmp_path):
     (tmp_path / "wham_output.pkl").write_bytes(b"x")
     with pytest.raises(ValueError, match=r"wham_output\.pkl: expected a clip .*, found '\.pkl'; numpy\.savez writes them"):

@@ -107,7 +107,7 @@ def centred(motion: d.Motion, skeleton: d.Skeleton) -> d.Motion:
 
 def own_poses(path: Path) -> tuple[np.ndarray, float | None] | None:
     """The array `dofs` of a performance.npz, and the rate if the file has it, as that of an animation; None of any other file."""
-    if path.suffix != ".npz":
+    if path.suffix.lower() != ".npz":
         return None
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist")
@@ -121,10 +121,10 @@ def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
     """A clip on its own bones: .bvh, .amc, .fbx, .glb, poses of the SMPL family in .npz. `animation`: of a .glb or .fbx, by name
     or number."""
     path = Path(path)
-    if path.suffix in PICKLED:
+    if path.suffix.lower() in PICKLED:
         expected = "a clip in .bvh, .amc, .fbx or .glb, or 'poses', 'trans' and 'mocap_framerate' of the SMPL family in an .npz"
         raise ValueError(f"{path}: expected {expected}, found '{path.suffix}'; numpy.savez writes them")
-    if path.suffix != ".npz":
+    if path.suffix.lower() != ".npz":
         return d.SourceMotion.read(path, animation=animation)
     if animation:
         raise ValueError(f"{path}: {ONE_OF_SEVERAL.format(animation)}")
