@@ -189,6 +189,13 @@ TEST(Bvh, WhoLiesLowIsNotTakenForOneWhosePlaceIsAddedToTheOffset) {
   for (int t = 0; t < 20; ++t)
     EXPECT_LT((clip.positions[t].row(0) - joint_positions(skeleton, forward_kinematics(skeleton, lying.row(t))).row(0)).norm(),
               1e-5);
+  // Nor if he hangs on a root that stands still.
+  const std::string root = "ROOT " + skeleton.joints[0].name;
+  const std::string below = replaced(
+      replaced(read_text(folder / "lying.bvh"), root, "ROOT Reference\n{\nOFFSET 0 0 0\nJOINT hips"), "MOTION", "}\nMOTION");
+  const SourceMotion carried = parse_bvh(below, "a");
+  for (int t = 0; t < 20; ++t)
+    EXPECT_LT((carried.positions[t].bottomRows(clip.positions[t].rows()) - clip.positions[t]).norm(), 1e-9);
   const Motion motion = retarget(clip, skeleton, alone());
   const Vertices joints = joint_positions(skeleton, forward_kinematics(skeleton, motion.dofs.row(19)));
   EXPECT_LT(joints.row(skeleton.find("chest")).y() - joints.row(skeleton.find("l_hip")).y(), 0.1); // nor set upright

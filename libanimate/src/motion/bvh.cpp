@@ -199,21 +199,60 @@ void pose_frame(const Hierarchy &hierarchy, const std::vector<bool> &added, cons
   }
 }
 
-/// Moves the body by the root's OFFSET if the root's position channels are added to that. Its values do not tell: of who lies
-/// they are as small. But then the body hangs below the floor, and the lowest joint as deep as the OFFSET is high.
-void add_root_offset(const Hierarchy &hierarchy, std::vector<Vertices> &positions) {
-  Vector3d offset = Vector3d::Zero(); // along axes with a channel
-  for (const Channel &channel : hierarchy.channels)
-    if (channel.joint == 0 && !channel.rotation)
-      offset[channel.axis] = hierarchy.joints[0].offset[channel.axis];
-  if (offset.squaredNorm() == 0)
-    return;
-  std::vector<double> lowest; // in lengths of the OFFSET
-  for (const Vertices &frame : positions)
-    lowest.push_back((frame * offset).minCoeff() / offset.squaredNorm());
-  if (median(lowest) < -0.5)
-    for (Vertices &frame : positions)
-      frame.rowwise() += offset.transpose();
+/// A joint that carries the whole body, and how many joints it and what hangs on it are.
+struct Carrier {
+  std::size_t joint, count;
+};
+
+/// The root, and what is between it and the limbs: hips below a "Reference".
+std::vector<Carrier> carriers(const Hierarchy &hierarchy) {
+  constexpr std::size_t kLimb = 3; // joints of one at least
+  const std::vector<SourceJoint> &joints = hierarchy.joints;
+  std::vector<std::size_t> count(joints.size(), 1);
+  for (std::size_t j = joints.size() - 1; j > 0; --j)
+    count[joints[j].parent] += count[j];
+  std::vector<Carrier> result{{0, joints.size()}};
+  for (;;) {
+    std::size_t limbs = 0, next = 0;
+    for (std::size_t j = result.back().joint + 1; j < joints.size(); ++j)
+      if (joints[j].parent == static_cast<int>(result.back().joint) && count[j] >= kLimb) {
+        ++limbs;
+        next = j;
+      }
+    if (limbs == 0)
+      return {result[0]}; // a chain has no body
+    if (limbs > 1)
+      return result;
+    result.push_back({next, count[next]});
+  }
+}
+
+/// Moves the body by the OFFSET of a joint that carries it, if its position channels are added to that, or back if they are not.
+/// Its values alone do not tell: of who lies they are as small. But without the OFFSET the body would hang below the floor, and
+/// the lowest joint as deep as the OFFSET is high.
+void settle_offsets(const Hierarchy &hierarchy, const std::vector<bool> &added, SourceMotion &clip) {
+  for (const auto &[joint, count] : carriers(hierarchy)) {
+    Vector3d offset = Vector3d::Zero(); // along axes with a channel
+    for (const Channel &channel : hierarchy.channels)
+      if (channel.joint == static_cast<int>(joint) && !channel.rotation)
+        offset[channel.axis] = hierarchy.joints[joint].offset[channel.axis];
+    if (offset.squaredNorm() == 0)
+      continue;
+    const int parent = hierarchy.joints[joint].parent;
+    const auto way = [&](std::size_t t) { return parent < 0 ? offset : Vector3d(clip.rotations[t][parent] * offset); };
+    const auto first = static_cast<Eigen::Index>(joint), rows = static_cast<Eigen::Index>(count);
+    std::vector<double> lowest; // in lengths of the OFFSET, if it is not added
+    for (std::size_t t = 0; t < clip.positions.size(); ++t) {
+      const Vector3d from = parent < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(clip.positions[t].row(parent));
+      const Eigen::VectorXd heights = clip.positions[t].middleRows(first, rows) * way(t);
+      lowest.push_back((heights.minCoeff() - from.dot(way(t))) / offset.squaredNorm() - (added[joint] ? 1.0 : 0.0));
+    }
+    const bool is_added = median(lowest) < -0.5 && (parent < 0 || added[joint]);
+    if (is_added == added[joint])
+      continue;
+    for (std::size_t t = 0; t < clip.positions.size(); ++t)
+      clip.positions[t].middleRows(first, rows).rowwise() += (is_added ? 1.0 : -1.0) * way(t).transpose();
+  }
 }
 
 // --- writing
@@ -305,7 +344,7 @@ SourceMotion parse_bvh(const std::string &text, const std::string &source) {
   clip.rotations.resize(values.rows());
   for (Eigen::Index t = 0; t < values.rows(); ++t)
     pose_frame(hierarchy, added, values.row(t), clip.positions[t], clip.rotations[t]);
-  add_root_offset(hierarchy, clip.positions);
+  settle_offsets(hierarchy, added, clip);
   return clip;
 }
 
