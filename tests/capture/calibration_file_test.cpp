@@ -514,6 +514,23 @@ TEST_F(CalibrationFiles, DamagedText) {
   expect_refused(folder / "Calib.toml", {"640 x 480", "1088 x 1920"}, {.image_width = 640, .image_height = 480});
 }
 
+TEST_F(CalibrationFiles, MatricesAsListsOfRows) {
+  const auto truth = ring(kOurs, kFive);
+  for (const Truth &c : truth) {
+    const Terms K = K_of(c), R = rows(c.R), t = flat(c.t);
+    const auto matrix = [](const Terms &m) {
+      return "[[" + list({m[0], m[1], m[2]}) + "], [" + list({m[3], m[4], m[5]}) + "], [" + list({m[6], m[7], m[8]}) + "]]";
+    };
+    write_text(folder / (c.name + ".json"), "{\"image_size\": [" + std::to_string(c.width) + ", " + std::to_string(c.height) +
+                                                "], \"camera_matrix\": " + matrix(K) + ", \"distortion_coefficients\": [[" +
+                                                list(c.terms) + "]], \"R\": " + matrix(R) + ", \"T\": [[" + digits(t[0]) +
+                                                "], [" + digits(t[1]) + "], [" + digits(t[2]) + "]]}");
+  }
+  expect_same(read_calibration(folder.path()), truth, kOurs);
+  replace("cam0.json", "\"T\": [[", "\"T\": [[\"left\", ");
+  expect_refused(folder / "cam0.json", {"expected T", "found none"});
+}
+
 TEST_F(CalibrationFiles, DamagedOpenCV) {
   const auto truth = ring(kOurs, kFive);
   const auto with = [&](const std::string &old, const std::string &now) {

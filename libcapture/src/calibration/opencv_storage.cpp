@@ -107,11 +107,19 @@ std::vector<double> numbers_of(const cv::FileNode &node) {
                             static_cast<std::int64_t>(list.size())))
     return {};
   std::vector<double> numbers;
-  for (const cv::FileNode &number : list) {
-    if (!number.isInt() && !number.isReal())
+  const auto add = [&numbers](const cv::FileNode &number) {
+    if (number.isInt() || number.isReal())
+      numbers.push_back(static_cast<double>(number));
+    return number.isInt() || number.isReal();
+  };
+  for (const cv::FileNode &entry : list)
+    if (entry.isSeq()) { // a row of a matrix, as Python writes them in JSON
+      for (const cv::FileNode &number : entry)
+        if (!add(number))
+          return {};
+    } else if (!add(entry)) {
       return {};
-    numbers.push_back(static_cast<double>(number));
-  }
+    }
   return numbers;
 }
 

@@ -11,7 +11,7 @@
 namespace doublet::detail {
 
 cv::FileStorage open_storage(const std::filesystem::path &path);
-/// A matrix, or a list of numbers; empty if the node is neither, or has not as many numbers as it says.
+/// A matrix, or a list of numbers, or of rows of them; empty if the node is neither, or has not as many numbers as it says.
 std::vector<double> numbers_of(const cv::FileNode &node);
 /// Error for what OpenCV's parser, or the standard library in it, threw while `path` was read.
 [[noreturn]] void throw_unreadable(const std::filesystem::path &path, const std::exception &problem);
