@@ -652,6 +652,9 @@ TEST(Motion, ResamplingKeepsTheEnds) {
   ASSERT_EQ(slow.dofs.rows(), 21);
   EXPECT_LT((slow.dofs.row(20) - motion.dofs.row(60)).norm(), 1e-9);
   EXPECT_LT((slow.dofs.row(7) - motion.dofs.row(21)).norm(), 1e-9);
+  const Motion rounded = resample(skeleton, {1 / 0.008333, motion.dofs}, 120); // as a BVH says it
+  ASSERT_EQ(rounded.dofs.rows(), 61);
+  EXPECT_LT((rounded.dofs.row(60) - motion.dofs.row(60)).norm(), 1e-9);
   EXPECT_THROW(resample(skeleton, motion, 0), std::invalid_argument);
   EXPECT_THROW(resample(skeleton, Motion{}, 40), std::invalid_argument);
 }

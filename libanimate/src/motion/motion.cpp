@@ -11,6 +11,7 @@ namespace doublet {
 namespace {
 
 constexpr int kMostFrames = 10'000'000; // more than a day at the rates of cloth
+constexpr double kEnd = 0.05; // of a frame, by which a clip may end early and still show its last: files have rounded rates
 
 } // namespace
 
@@ -40,7 +41,7 @@ Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {
   if (!(last / motion.fps * fps < kMostFrames))
     throw std::invalid_argument("resample: expected at most " + std::to_string(kMostFrames) + " frames, found " +
                                 options::to_text(last / motion.fps * fps, 4) + " at " + options::to_text(fps) + " 1/s");
-  const auto count = static_cast<Eigen::Index>(std::floor(last / motion.fps * fps + 1e-6)) + 1;
+  const auto count = static_cast<Eigen::Index>(std::floor(last / motion.fps * fps + kEnd)) + 1;
   Motion result{fps, MatrixRM(count, motion.dofs.cols())};
   for (Eigen::Index t = 0; t < count; ++t) {
     const double at = std::min<double>(t / fps * motion.fps, last);
