@@ -331,6 +331,21 @@ def test_rotations_as_normalised_integers(tmp_path, component, kind, most):
     np.testing.assert_allclose(d.SourceMotion.read(path).positions[12][2], [0.3, 1.4, -0.25], atol=0.01)
 
 
+def test_a_compressed_clip_names_the_extension_that_it_needs(tmp_path):
+    """As gltfpack writes it: a view is of a buffer that is not in the file."""
+    name = "EXT_meshopt_compression"
+
+    def compress(gltf):
+        gltf.update(extensionsUsed=[name], extensionsRequired=[name])
+        gltf["buffers"].append({"byteLength": 4096, "extensions": {name: {"fallback": True}}})
+        for view in gltf["bufferViews"]:
+            packed = {"buffer": 0, "byteLength": view["byteLength"], "byteStride": 16, "mode": "ATTRIBUTES", "count": 3}
+            view.update(buffer=1, extensions={name: packed})
+
+    with pytest.raises(d.Error, match=rf"arm\.glb: expected numbers that are written out, found ones that need .* {name}"):
+        d.SourceMotion.read(write_glb(tmp_path / "arm.glb", change=compress, **arm()))
+
+
 @pytest.mark.parametrize("version", ["VRM", "VRMC_vrm"])
 def test_vrm_says_which_bone_is_which(tmp_path, version):
     bones = {"leftUpperArm": 1, "leftLowerArm": 2, "leftHand": 3}

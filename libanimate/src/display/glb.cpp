@@ -300,6 +300,10 @@ Reader::Rows Reader::rows_of(const json &accessor) const {
 
 std::string_view Reader::strided(const json &index, std::size_t &stride) const {
   const json &view = entry("bufferViews", index);
+  const json extensions = view.value("extensions", json::object());
+  for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+    if (size(view, "buffer") != 0 && extensions.contains(name)) // the buffer is what a reader of the extension fills
+      fail(std::string("expected numbers that are written out, found ones that need the extension ") + name);
   const std::size_t offset = size(view, "byteOffset"), length = size(view, "byteLength");
   if (size(view, "buffer") != 0 || offset > binary_.size() || length > binary_.size() - offset)
     fail("buffer view " + index.dump() + " reaches beyond the binary chunk");
