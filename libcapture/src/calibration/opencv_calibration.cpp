@@ -220,7 +220,8 @@ std::vector<CalibratedCamera> read_doublet_calibration(const fs::path &path, con
 std::vector<fs::path> opencv_files(const fs::path &folder) {
   std::vector<fs::path> files;
   for (const auto &entry : fs::directory_iterator(folder))
-    if (const std::string end = entry.path().extension().string();
+    if (const std::string end = entry.path().extension().string(), name = entry.path().filename().string();
+        name[0] != '.' && // macOS keeps ._cam0.yml beside cam0.yml
         entry.is_regular_file() && (end == ".yml" || end == ".yaml" || end == ".xml" || end == ".json"))
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());
