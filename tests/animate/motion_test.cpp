@@ -558,6 +558,38 @@ TEST(Retarget, NamesOfTheField) {
   }
 }
 
+TEST(Retarget, ArmsAreOnTheSideOfTheirLegsWhereBothLegsBeginInThePelvis) {
+  const Skeleton skeleton = figure_skeleton();
+  const SourceMotion own = parse_bvh(figure_bvh(skeleton, marching(skeleton, 10, 40), 100, 40), "own.bvh");
+  SourceMotion clip = own; // with a joint more a leg, of no length, as CMU's; the names say nothing
+  clip.joints.clear();
+  std::vector<int> rows, now;
+  for (int j = 0; j < static_cast<int>(own.joints.size()); ++j) {
+    SourceJoint joint = own.joints[j];
+    joint.parent = joint.parent < 0 ? -1 : now[joint.parent];
+    if (joint.name == "l_hip" || joint.name == "r_hip") {
+      rows.push_back(own.joints[j].parent);
+      clip.joints.push_back({"bone" + std::to_string(clip.joints.size()), joint.parent, Eigen::Vector3d::Zero()});
+      joint.parent = static_cast<int>(clip.joints.size()) - 1;
+    }
+    now.push_back(static_cast<int>(clip.joints.size()));
+    rows.push_back(j);
+    joint.name = "bone" + std::to_string(clip.joints.size());
+    clip.joints.push_back(joint);
+  }
+  for (std::size_t t = 0; t < own.positions.size(); ++t) {
+    clip.positions[t].resize(static_cast<Eigen::Index>(rows.size()), 3);
+    clip.rotations[t].clear();
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      clip.positions[t].row(static_cast<Eigen::Index>(k)) = own.positions[t].row(rows[k]);
+      clip.rotations[t].push_back(own.rotations[t][rows[k]]);
+    }
+  }
+  const auto found = match_joints(clip), expected = match_joints(own);
+  for (const char *part : {"l_hip", "r_knee", "l_shoulder", "r_elbow", "l_wrist"})
+    EXPECT_EQ(found.at(part), now[expected.at(part)]) << part;
+}
+
 TEST(Retarget, ZeroPoseNeedNotBeAStance) {
   // The same motion on a rig with bone-local frames: in its zero pose every limb points up. Only the pose of the joints is the
   // same, the roll has to be found from the clip.

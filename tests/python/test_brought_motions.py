@@ -163,6 +163,18 @@ def test_names_that_say_nothing_are_told_by_shape(tmp_path, convention):
     assert "by its place and length" in {match.part: match.reason for match in d.explain_match(clip)}["l_knee"]
 
 
+def test_arms_are_on_the_side_of_their_legs_where_both_legs_begin_in_the_pelvis(tmp_path):
+    """As CMU's do, with a joint of no length before each hip; the names say nothing."""
+    joints = figure()
+    for side in ("l_", "r_"):
+        joints[side + "hip_joint"] = ("pelvis", (0, 0, 0))
+        joints[side + "hip"] = (side + "hip_joint", joints[side + "hip"][1])
+    names = {part: f"bone{i}" for i, part in enumerate(joints)}
+    (tmp_path / "clip.bvh").write_text(bvh(names, joints=joints))
+    found = matched(tmp_path / "clip.bvh")
+    assert {part: found.get(part) for part in figure()} == {part: names[part] for part in figure()}
+
+
 def test_a_mirrored_figure_has_its_left_where_its_feet_say(tmp_path):
     """Who faces -z has the left at -x."""
     text = bvh(WORDLESS["numbers"])

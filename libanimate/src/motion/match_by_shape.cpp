@@ -168,13 +168,14 @@ std::optional<int> left_side(const SourceMotion &clip, const Pair &legs, const P
 }
 
 /// The limb of `arms` that is on the same side as `left` of `legs`: names, else the one that is nearer to it.
-int same_side(const SourceMotion &clip, const Pair &legs, int left, const Pair &arms) {
+int same_side(const SourceMotion &clip, const Pair &legs, const Parts &leg, int left, const Pair &arms) {
   const char one = side_of(clip.joints[arms.sides[0].chain[1]].name), other = side_of(clip.joints[arms.sides[1].chain[1]].name);
   if (one && other && one != other)
     return one == 'l' ? 0 : 1;
   double nearer = 0;
   for (const Vertices &at : clip.positions) {
-    const Vector3d across = at.row(legs.sides[left].chain[0]) - at.row(legs.sides[1 - left].chain[0]);
+    // Of the hips: CMU's rigs begin both legs in the pelvis.
+    const Vector3d across = at.row(legs.sides[left].chain[leg.first]) - at.row(legs.sides[1 - left].chain[leg.first]);
     nearer += across.dot(Vector3d(at.row(arms.sides[0].chain[1]) - at.row(arms.sides[1].chain[1])));
   }
   return nearer > 0 ? 0 : 1;
@@ -245,7 +246,7 @@ std::map<std::string, int> match_by_shape(const SourceMotion &clip) {
   const auto left_leg = left_side(clip, *legs, *leg, *arms, *arm);
   if (!left_leg)
     return {};
-  const int left_arm = same_side(clip, *legs, *left_leg, *arms);
+  const int left_arm = same_side(clip, *legs, *leg, *left_leg, *arms);
   std::map<std::string, int> result;
   for (const int side : {0, 1}) {
     take_limb(legs->sides[side], *leg, side == *left_leg ? "l_" : "r_", true, result);
