@@ -58,6 +58,21 @@ NearestBone nearest_bone(const Skeleton &skeleton, const Vector3d &p) {
   return best;
 }
 
+/// The capsule whose surface is nearest, in the place of a bone that lies deep in the trunk; distance: from its axis. capsules:
+/// the proxies in the rest pose.
+NearestBone nearest_capsule(const std::vector<TaperedCapsule> &proxies, const std::vector<Capsule> &capsules, const Vector3d &p) {
+  NearestBone best;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < capsules.size(); ++c) {
+    const double d = signed_distance(capsules[c], p);
+    if (d < nearest) {
+      nearest = d;
+      best = {proxies[c].joint, (p - closest_on_segment(p, capsules[c].p0, capsules[c].p1)).norm()};
+    }
+  }
+  return best;
+}
+
 /// A vertex goes with the majority of its neighbours: single rays slip through edges or graze.
 std::vector<std::uint8_t> majority(const std::vector<std::uint8_t> &flags, const Faces &faces) {
   const auto neighbours = vertex_neighbours(faces, static_cast<int>(flags.size()));
@@ -108,7 +123,8 @@ void require_inputs(const RiggedMesh &actor, const Segmentation &segmentation) {
 }
 
 /// (L + A H) w = A H p on the free vertices, w given on the others.
-MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::vector<std::uint8_t> &fixed, MatrixRM weights) {
+MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::vector<TaperedCapsule> &proxies,
+                         const std::vector<std::uint8_t> &fixed, MatrixRM weights) {
   const int n = static_cast<int>(body.vertices.rows());
   std::vector<int> unknown(n, -1);
   int count = 0;
@@ -118,11 +134,14 @@ MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::
   if (count == 0)
     return weights;
   const Eigen::VectorXd areas = vertex_areas(body.vertices, body.faces);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(skeleton.dof_count());
+  const std::vector<Capsule> capsules = pose_capsules(proxies, skeleton, forward_kinematics(skeleton, rest));
   MatrixRM right = MatrixRM::Zero(count, weights.cols());
   std::vector<Eigen::Triplet<double>> entries;
   for (int v = 0; v < n; ++v)
     if (!fixed[v]) {
-      const NearestBone bone = nearest_bone(skeleton, body.vertices.row(v));
+      const Vector3d p = body.vertices.row(v);
+      const NearestBone bone = capsules.empty() ? nearest_bone(skeleton, p) : nearest_capsule(proxies, capsules, p);
       const double heat = std::max(areas[v], 1e-10) / std::max(bone.distance * bone.distance, 1e-6);
       entries.emplace_back(unknown[v], unknown[v], heat);
       right(unknown[v], bone.joint) += heat;
@@ -181,7 +200,9 @@ std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segment
   return majority(hidden, body.faces);
 }
 
-MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body) {
+MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body,
+                          const std::vector<TaperedCapsule> &proxies) {
+  require_proxies(proxies, actor.skeleton, "character");
   std::vector<std::uint8_t> exposed = hidden_by_cloth(actor, segmentation, body);
   const RayScene scene(actor.mesh, actor.face_valid);
   const Vertices surface_normals = face_normals(actor.mesh.vertices, actor.mesh.faces);
@@ -194,7 +215,7 @@ MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentat
     for (int k = 0; k < 3 && exposed[v]; ++k)
       weights.row(v) += at.barycentric[k] * actor.weights.row(actor.mesh.faces(at.face, k));
   }
-  weights = diffuse_weights(body, actor.skeleton, exposed, std::move(weights));
+  weights = diffuse_weights(body, actor.skeleton, proxies, exposed, std::move(weights));
   for (Eigen::Index v = 0; v < weights.rows(); ++v) {
     const double sum = weights.row(v).sum();
     if (!(sum > 1e-9)) // a vertex without faces: no equation reached it
@@ -252,7 +273,7 @@ Character make_character(const RiggedMesh &actor, const Segmentation &segmentati
     require_body(body, "character");
     c.body = body.body;
     c.body_model = body.model;
-    c.body_weights = transfer_weights(actor, segmentation, body.body);
+    c.body_weights = transfer_weights(actor, segmentation, body.body, proxies);
     std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, segmentation, body.body);
     if (garment_subdivisions >= 0)
       add_uncovered(c, hidden);

@@ -227,6 +227,25 @@ TEST(Character, BodyUnderTheSkirtIsShownAndHangsOnTheThighBones) {
   }
 }
 
+TEST(Character, AHiddenChestDoesNotHangOnTheArms) {
+  // Its sides are nearer to the bones of the upper arms than to the spine, and well inside the capsules of the trunk.
+  const Mesh dress = cylinder({0, 0.9, 0}, {0, 1.6, 0}, 0.4), chest = sphere(0.15, {0, 1.22, 0}, 12, 24);
+  const Skeleton skeleton = figure_skeleton();
+  RiggedMesh actor;
+  actor.mesh = dress;
+  actor.face_valid.assign(dress.faces.rows(), 1);
+  actor.weights = figure_weights(dress.vertices, skeleton);
+  actor.skeleton = skeleton;
+  Segmentation segmentation;
+  segmentation.sigma = Eigen::VectorXd::Zero(dress.vertices.rows());
+  segmentation.clothness = Eigen::VectorXd::Ones(dress.vertices.rows());
+  segmentation.region = Eigen::VectorXi::Zero(dress.vertices.rows());
+  segmentation.region_count = 1;
+  const int shoulder = skeleton.find("l_shoulder");
+  EXPECT_GT(transfer_weights(actor, segmentation, chest).col(shoulder).maxCoeff(), 0.2);
+  EXPECT_LT(transfer_weights(actor, segmentation, chest, figure_capsules(skeleton)).col(shoulder).maxCoeff(), 1e-6);
+}
+
 TEST(SurfaceTransfer, ExactAtRestAndUnderRigidMotion) {
   const Mesh coarse = sphere(0.5, {0, 1, 0}, 12, 24), fine = sphere(0.51, {0, 1, 0}, 40, 80);
   const SurfaceTransfer transfer(coarse, {}, fine, {});

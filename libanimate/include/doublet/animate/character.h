@@ -59,7 +59,9 @@ Mask hidden_faces(const Character &character);
 
 /// (B, J) skin weights for the body. Exposed vertices take those of the actor's surface; hidden ones solve the heat equation of
 /// Baran & Popovic 2007 on the body with the exposed ones as boundary, so that thighs under a skirt hang on the thigh bones, not
-/// on the skirt's weights.
-MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
+/// on the skirt's weights. With proxies the nearest of these stands for the nearest bone: what cloth collides with and what is
+/// drawn under it then move together. Throws as require_proxies().
+MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body,
+                          const std::vector<TaperedCapsule> &proxies = {});
 
 } // namespace doublet
