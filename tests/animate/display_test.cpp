@@ -1,4 +1,5 @@
 #include "doublet/animate/baked_file.h"
+#include "doublet/animate/motion_file.h"
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/texture_baker.h"
@@ -335,6 +336,18 @@ TEST(TextureBaker, RefusesWhatDoesNotFit) {
   EXPECT_THROW(bake_texture(Mesh{}, {}, cameras, images, {}, {}, options), Error);
   Character bare;
   EXPECT_THROW(texture_character(bare, {}, cameras, images), Error);
+}
+
+TEST(BakedFile, ABroadcastRateComesBack) {
+  const TempFolder folder;
+  Character c = figure_character();
+  for (const double rate : {24.0, 30.0, 60.0}) {
+    c.solver.dt = 1.001 / rate;
+    write_baked_glb(folder / "a.glb", c, animate(c, {1 / c.solver.dt, marching(c.actor.skeleton, 9, rate)}));
+    const SourceMotion clip = read_motion_file(folder / "a.glb");
+    EXPECT_NEAR(clip.fps, rate / 1.001, 1e-9) << rate;
+    EXPECT_EQ(clip.frame_count(), 9) << rate;
+  }
 }
 
 TEST(BakedFile, NpzHoldsTheAnimation) {

@@ -78,6 +78,15 @@ def test_key_times_of_whole_milliseconds_keep_their_rate(tmp_path, rate):
     assert (clip.fps, clip.frame_count) == (rate, rate + 1)
 
 
+@pytest.mark.parametrize("rate", [24 / 1.001, 30 / 1.001, 60 / 1.001])
+def test_a_broadcast_rate_is_kept(tmp_path, rate):
+    """At a whole one the poses would lie between the keys."""
+    times, half = np.arange(31) / rate, np.linspace(0, 0.5, 31)
+    turns = np.stack([0 * half, 0 * half, np.sin(half), np.cos(half)], axis=1)
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm(tracks=[(2, "rotation", times, turns, "LINEAR")])))
+    assert clip.fps == pytest.approx(rate, rel=1e-9) and clip.frame_count == 31
+
+
 def test_joints_of_the_skin_in_metres_relative_to_how_they_rest(tmp_path):
     clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm()))
     assert clip.joint_names == ["shoulder", "elbow", "wrist"]

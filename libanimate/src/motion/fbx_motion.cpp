@@ -19,6 +19,7 @@ namespace doublet {
 namespace {
 
 constexpr double kSlowest = 24, kFastest = 240; // 1/s at which a clip is sampled, whatever the file says
+constexpr double kFilm = 23.9;                  // 1/s; from here on a rate is one of film, 24 or 24 / 1.001
 // Bytes to which a packed file may grow: arrays say how long they are before anything of them is read.
 constexpr std::size_t kLeastMemory = std::size_t(64) << 20, kMostMemory = std::size_t(2) << 30, kMostUnpacked = 200;
 constexpr double kUnchanged = 1e-6;
@@ -181,7 +182,7 @@ void stand_unturned(const ufbx_scene &scene, NodeClip &clip) {
 }
 
 NodeClip clip_of(const ufbx_scene &scene, const std::string &source) {
-  const double fps = std::clamp(scene.settings.frames_per_second, kSlowest, kFastest);
+  const double stated = scene.settings.frames_per_second, fps = stated > kFilm ? std::min(stated, kFastest) : kSlowest;
   double frames = 0;
   for (const ufbx_anim_stack *stack : scene.anim_stacks)
     frames += span_of(*stack).frames(fps);

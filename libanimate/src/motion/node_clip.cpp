@@ -18,6 +18,8 @@ using Eigen::Vector3d;
 
 constexpr double kFewestKeys = 24, kMostKeys = 240; // 1/s at which a clip is sampled, whatever its keys
 constexpr double kRounding = 1e-4;                  // s, by which key times, which are floats, may be off
+constexpr double kBroadcast = 1.001;                // 30 frames a second are 29.97 where television says so
+constexpr double kExact = 1e-4;                     // share of a rate, by which one that is not rounded may be off
 constexpr double kUnevenKeys = 0.2;                 // of a gap, by which one may be off
 constexpr double kUnchanged = 1e-3;                 // by which a component of a quaternion, or of a place (m), may vary
 constexpr double kMovesTheBody = 0.5;               // of the nodes that the liveliest animation turns
@@ -307,6 +309,9 @@ private:
     }
     if (std::isfinite(steps))
       usual = (static_cast<double>(densest_.back()) - densest_.front()) / steps;
+    const double broadcast = std::round(kBroadcast / usual);
+    if (broadcast >= kFewestKeys && broadcast <= kMostKeys && std::abs(usual * broadcast / kBroadcast - 1) < kExact)
+      return broadcast / kBroadcast;
     const double found = std::clamp(1 / usual, kFewestKeys, kMostKeys), whole = std::round(found);
     return std::abs(found - whole) < 0.01 * found ? whole : found; // key times are floats
   }
