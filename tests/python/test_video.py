@@ -81,6 +81,17 @@ def test_who_walks_away_is_followed(character):
     assert not np.allclose(automatic[0].centre, automatic[-1].centre)
 
 
+@pytest.mark.parametrize("rate", [40, 120])
+def test_the_camera_keeps_pace_with_who_runs(character, rate):
+    """Whatever the rate of the clip, and where a film asks for more cameras than it has frames."""
+    run, shot = walk(character, 16.0), Shot(camera="follow")
+    motion = d.resample(character.actor.skeleton, run, rate)
+    cameras = cameras_along(character, motion, 85, shot)
+    for dofs, camera in zip(run.dofs, cameras):
+        places = np.abs(projected(skinned(character, dofs), camera)) * camera.K[0, 0]
+        assert places[:, 0].max() < (FILLED_ACROSS + 0.02) * shot.width / 2
+
+
 @pytest.mark.parametrize("metres", [10.0, 100.0, -100.0])
 def test_who_walks_to_the_camera_does_not_pass_it(character, metres):
     shot, motion = Shot(1280, 720, camera="front"), walk(character, metres, "tz")

@@ -37,8 +37,7 @@ class Shot:
 
 
 def cameras_along(character: d.Character, motion: d.Motion, count: int, shot: Shot) -> list[d.Camera]:
-    """One camera a frame, a little above."""
-    frames = np.linspace(0, len(motion) - 1, count).round().astype(int)
+    """One camera for each of `count` frames at the character's rate, a little above; behind the motion's end, as there."""
     joints = np.array([character.actor.skeleton.joint_positions(dofs) for dofs in motion.dofs])
     path = smooth_path(joints[:, 0], motion.fps)
     if shot.camera == "front" or (shot.camera == "auto" and reach(path) < STILL):
@@ -52,7 +51,9 @@ def cameras_along(character: d.Character, motion: d.Motion, count: int, shot: Sh
     else:
         offset, radius = framed(around, shot)
         azimuths = np.full(count, AZIMUTH)
-    return [camera_at(path[t] + offset, radius, azimuth, shot) for t, azimuth in zip(frames, azimuths)]
+    frames = np.arange(count) * motion.fps * character.solver.dt  # of the motion, which may have another rate
+    places = np.stack([np.interp(frames, np.arange(len(path)), along) for along in path.T], axis=1)
+    return [camera_at(place + offset, radius, azimuth, shot) for place, azimuth in zip(places, azimuths)]
 
 
 def looked_at(joints: np.ndarray) -> np.ndarray:
