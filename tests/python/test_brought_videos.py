@@ -4,6 +4,7 @@ its number by where a bar stands."""
 
 import json
 import runpy
+import shutil
 import struct
 import subprocess
 import sys
@@ -251,6 +252,21 @@ def test_a_series_with_a_gap_stays_in_step(tmp_path, form):
     assert cam0 == list(range(20))
     assert cam1 == [None if k in (7, 12, 13) else k for k in range(20)]
     assert any(m.startswith("cam1: 3 images are missing by their numbers, the first behind ") for m in messages)
+
+
+def test_a_folder_of_a_camera_holds_one_series(tmp_path):
+    """Depth beside colour, a preview: they would be frames, and what follows late."""
+    folders = [tmp_path / f"films/cam{c}" for c in range(CAMERAS)]
+    for folder in folders:
+        save_series(folder, range(3), form="color_{}.png")
+    for name in ("depth_101.png", "preview.png"):
+        other = Path(shutil.copy(folders[1] / "color_102.png", folders[1] / name))
+        with pytest.raises(ValueError, match=rf"cam1: expected the images of one series, found color_101\.png, {name}; put"):
+            session_of(tmp_path, fps=25)
+        other.unlink()
+    for folder in folders:
+        (folder / "color_101.png").rename(folder / "color_.png")  # as programs number from the second on
+    assert shown(session_of(tmp_path, fps=25)) == [[0, 1, 2]] * CAMERAS
 
 
 def test_of_16_bits_the_upper_eight_are_seen(tmp_path):

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..common.images import in_order
+from ..common.images import in_order, numbers_of
 
 VIDEOS = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".m2ts", ".ts", ".mpg", ".mpeg", ".vob", ".wmv", ".mxf"}
 VIDEOS |= {".3gp", ".3g2", ".ogv", ".flv", ".y4m", ".h264", ".hevc", ".mjpeg"}
@@ -61,7 +61,20 @@ def one_folder(folder: Path, single_images: bool) -> list[CameraFile]:
         return [of_file(path) for path in videos]
     if videos or (images and single_images):
         return [CameraFile(folder.name, (videos or images)[0])]
+    require_one_series(folder, images)
     return [CameraFile(folder.name, folder, tuple(in_order(images)))] if images else []
+
+
+def require_one_series(folder: Path, images: Sequence[Path]) -> None:
+    """Raises ValueError where others are among them, of the same numbers or of none, which would be taken for frames."""
+    forms = {re.sub(r"\d+", "#", image.stem): image.name for image in reversed(images)}
+    numbers = numbers_of([image.stem for image in images])
+    twice = len(set(numbers)) < len(numbers)
+    first = next((form for form in forms if "#" not in form), None)  # image.png, image1.png, image2.png
+    others = first is not None and not all(form.startswith(first) for form in forms)
+    if len(forms) > 1 and max(numbers) >= 0 and (twice or others):
+        found = ", ".join(sorted(forms.values())[:4])
+        raise ValueError(f"{folder}: expected the images of one series, found {found}; put others into another folder")
 
 
 def visible(folder: Path, pattern: str = "*") -> list[Path]:
