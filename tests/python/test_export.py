@@ -477,6 +477,19 @@ def test_a_clip_of_strange_names_plays_with_a_map(folder, character):
     np.testing.assert_array_equal(played.dofs, read_motion(folder / "walk.bvh", character, d.RetargetOptions()).dofs)
 
 
+@pytest.mark.parametrize("command", ["export-cloth", "view", "synthesize"])
+def test_every_command_with_a_motion_takes_a_bone_map(folder, command, capsys):
+    """And says when there is nothing to read with it."""
+    (folder / "wrong.toml").write_text('[joints]\nl_hip = "no such joint"')
+    motion = {"export-cloth": "--motion", "view": "--clip", "synthesize": "--motion"}[command]
+    line = [command, str(folder / "c.glb"), "-o", str(folder / "out"), "--bone-map", str(folder / "wrong.toml")]
+    assert cli.main([*line, motion, str(folder / "walk.bvh")]) == 1
+    assert "wrong.toml: l_hip: expected a joint of" in capsys.readouterr().err
+    if command != "synthesize":  # which has no other motion
+        assert cli.main(line) == 1
+        assert "--bone-map, --animation: expected a motion" in capsys.readouterr().err
+
+
 def test_poses_of_a_page_are_retargeted_at_the_rate_that_is_asked_for(folder, character):
     own, asked = 1 / character.solver.dt, d.RetargetOptions(fps=8)
     coarse = read_motion(folder / "walk.bvh", character, asked)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
 from ..common.console import Console
 from ..reconstruct.options import MOST_SEED
@@ -35,6 +36,21 @@ def common_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.add_argument("--verbose", action="store_true", help="show what the stages say, not only their progress")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+
+
+def clip_flags(command: argparse.ArgumentParser) -> None:
+    """How a MOTION is read."""
+    text = "which joint of the motion plays which of ours, from a TOML file; --retarget-joint-names beats it"
+    command.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
+    text = "which of the animations in a MOTION.glb: name, or number from 1 (default: the first that moves the body)"
+    command.add_argument("--animation", default="", metavar="NAME", help=text)
+
+
+def clip_options(arguments: argparse.Namespace, has_motion: bool = True) -> tuple[Path | None, str]:
+    """`bone_map` and `animation` of read_motion()."""
+    if not has_motion and (arguments.bone_map or arguments.animation):
+        raise ValueError("--bone-map, --animation: expected a motion that is read with them, found none")
+    return arguments.bone_map, arguments.animation
 
 
 def page_flags(command) -> None:

@@ -36,14 +36,20 @@ def bundle_folder() -> Path:
 
 
 def write_view(
-    out: Path, characters: Sequence[Path], clips: Sequence[Path], retargeting: d.RetargetOptions, context: d.Context | None = None
+    out: Path,
+    characters: Sequence[Path],
+    clips: Sequence[Path],
+    retargeting: d.RetargetOptions,
+    context: d.Context | None = None,
+    bone_map: Path | None = None,
+    animation: str = "",
 ) -> None:
     """Writes `out`/index.html and what it needs. characters: one, or a second to stand beside it. clips: motions as
-    `read_motion` takes them, retargeted to each character; none = it turns to and fro. Raises ValueError, RuntimeError naming
-    what is wrong with a file."""
+    `read_motion` takes them with `bone_map` and `animation`, retargeted to each character; none = it turns to and fro. Raises
+    ValueError, RuntimeError naming what is wrong with a file."""
     if not 1 <= len(characters) <= 2:
         raise ValueError(f"expected one character, or two, found {len(characters)}")
-    context = context or d.Context()
+    how = (retargeting, context or d.Context(), bone_map, animation)
     shown = [d.Character.read(path) for path in characters]
     if any(character.solver.dt != shown[0].solver.dt for character in shown):
         steps = " and ".join(f"{character.solver.dt:g}" for character in shown)
@@ -54,8 +60,7 @@ def write_view(
             for character, path in zip(shown, characters)
         ],
         "clips": [
-            {"name": clip.stem, "poses": [base64_of(poses_of(clip, character, retargeting, context)) for character in shown]}
-            for clip in clips
+            {"name": clip.stem, "poses": [base64_of(poses_of(clip, character, *how)) for character in shown]} for clip in clips
         ]
         or [{"name": "to and fro", "poses": [base64_of(turning(character)) for character in shown]}],
         "parameters": material_parameters(),
@@ -72,12 +77,19 @@ def base64_of(content: bytes) -> str:
     return base64.b64encode(content).decode("ascii")
 
 
-def poses_of(clip: Path, character: d.Character, retargeting: d.RetargetOptions, context: d.Context) -> bytes:
+def poses_of(
+    clip: Path,
+    character: d.Character,
+    retargeting: d.RetargetOptions,
+    context: d.Context,
+    bone_map: Path | None = None,
+    animation: str = "",
+) -> bytes:
     """(T, D) float64 at the character's own rate, the arms out of the body, as animate() has them and the page those of a file
     that is dropped."""
     retargeting = copy.copy(retargeting)
     retargeting.fps = retargeting.fps or 1 / character.solver.dt
-    motion = at_own_rate(read_motion(clip, character, retargeting, context), character)
+    motion = at_own_rate(read_motion(clip, character, retargeting, context, bone_map, animation), character)
     motion = d.resolve_arm_penetration(character, motion, context)
     return np.ascontiguousarray(motion.dofs, "<f8").tobytes()
 

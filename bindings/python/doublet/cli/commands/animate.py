@@ -12,7 +12,7 @@ from ...export.bone_names import SCHEMES
 from ...export.character_edit import colour_of
 from ...export.clips import read_clip
 from ...export.video_camera import CAMERAS, Shot
-from ..common_flags import MOTION_HELP, common_flags, make_console
+from ..common_flags import MOTION_HELP, clip_flags, common_flags, make_console
 from ..option_flags import add_option_flags, chosen_options
 
 #: What `doublet animate` takes flags of.
@@ -28,10 +28,7 @@ def register(commands) -> None:
     command.add_argument("-o", "--out", type=Path, metavar="OUT", help=text)
     text = "write which joint of the motion plays which of ours, and how that was guessed, for --bone-map, and run nothing"
     command.add_argument("--write-bone-map", type=Path, metavar="FILE", help=text)
-    text = "which joint of the motion plays which of ours, from a TOML file; --retarget-joint-names beats it"
-    command.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
-    text = "which of the animations in a MOTION.glb: name, or number from 1 (default: the first that moves the body)"
-    command.add_argument("--animation", default="", metavar="NAME", help=text)
+    clip_flags(command)
     text = "of the joints in a .bvh or .glb: Unreal's mannequin, Unity's humanoid and VRM (default: the character's own)"
     command.add_argument("--bone-names", choices=SCHEMES, default="", help=text)
     text = "begin over the world's origin (default: where the actor stood in the scan)"

@@ -7,7 +7,7 @@ from pathlib import Path
 from ... import _doublet as d
 from ...export.clips import read_motion
 from ...export.cloth import AREAL_DENSITY, export_cloth
-from ..common_flags import MOTION_HELP, common_flags, make_console
+from ..common_flags import MOTION_HELP, clip_flags, clip_options, common_flags, make_console
 from ..option_flags import add_option_flags, chosen_options
 
 
@@ -18,6 +18,7 @@ def register(commands) -> None:
     command.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="gets cloth.json, cloth.usda")
     help_text = f"a motion.json, too: joints, attachment and our own simulation in every frame; {MOTION_HELP}"
     command.add_argument("--motion", type=Path, metavar="MOTION", help=help_text)
+    clip_flags(command)
     help_text = f"kg/m^2 of the cloth, which no film tells; stiffnesses grow with it (default: {AREAL_DENSITY})"
     command.add_argument("--areal-density", type=float, default=AREAL_DENSITY, metavar="X", help=help_text)
     common_flags(command)
@@ -29,7 +30,8 @@ def run(arguments) -> None:
     console = make_console(arguments)
     character = d.Character.read(arguments.character)
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
-    motion = read_motion(arguments.motion, character, retargeting, console.context()) if arguments.motion else None
+    how = (retargeting, console.context(), *clip_options(arguments, bool(arguments.motion)))
+    motion = read_motion(arguments.motion, character, *how) if arguments.motion else None
     written = export_cloth(character, arguments.out, arguments.areal_density, motion, console.context())
     console.finish()
     for path in written:

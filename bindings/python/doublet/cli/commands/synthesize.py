@@ -8,7 +8,7 @@ from pathlib import Path
 from ... import _doublet as d
 from ...evaluation.synthesize import SynthesisOptions, synthesize
 from ...export.clips import read_motion
-from ..common_flags import MOTION_HELP, common_flags, make_console
+from ..common_flags import MOTION_HELP, clip_flags, clip_options, common_flags, make_console
 from ..option_flags import add_option_flags, chosen_options
 from .edit_character import materials_of
 
@@ -18,6 +18,7 @@ def register(commands) -> None:
     command = commands.add_parser("synthesize", help=text, description=text)
     command.add_argument("character", type=Path, metavar="CHARACTER.glb")
     command.add_argument("--motion", type=Path, required=True, metavar="FILE", help=MOTION_HELP)
+    clip_flags(command)
     command.add_argument("-o", "--out", type=Path, required=True, metavar="SESSION", help="folder of the new session")
     command.add_argument("--cameras", type=Path, metavar="DIR", help="those of this session (default: a ring of them)")
     command.add_argument(
@@ -47,7 +48,7 @@ def run(arguments) -> None:
         character.materials = materials_of(character, arguments.material)
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
     retargeting.fps = retargeting.fps or 1 / character.solver.dt
-    motion = read_motion(arguments.motion, character, retargeting)
+    motion = read_motion(arguments.motion, character, retargeting, console.context(), *clip_options(arguments))
     rig = d.Session(arguments.cameras).rig if arguments.cameras else None
     frames = synthesize(character, motion, arguments.out, options, rig, console)
     console.finish()

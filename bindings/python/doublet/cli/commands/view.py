@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ... import _doublet as d
 from ...pages.view import write_view
-from ..common_flags import MOTION_HELP, common_flags, make_console
+from ..common_flags import MOTION_HELP, clip_flags, clip_options, common_flags, make_console
 from ..option_flags import add_option_flags, chosen_options
 
 
@@ -16,6 +16,7 @@ def register(commands) -> None:
     view.add_argument("character", type=Path, metavar="CHARACTER.glb")
     clips = f"to dance to, any number of them; {MOTION_HELP} (default: it turns to and fro)"
     view.add_argument("--clip", type=Path, nargs="+", default=[], metavar="MOTION", help=clips)
+    clip_flags(view)
     view.add_argument("--compare", type=Path, metavar="OTHER.glb", help="a second character, beside it")
     view.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="gets index.html, to be opened as it lies")
     common_flags(view)
@@ -27,6 +28,7 @@ def run(arguments) -> None:
     console = make_console(arguments)
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
     characters = [arguments.character] + ([arguments.compare] if arguments.compare else [])
-    write_view(arguments.out, characters, arguments.clip, retargeting, console.context())
+    how = clip_options(arguments, bool(arguments.clip))
+    write_view(arguments.out, characters, arguments.clip, retargeting, console.context(), *how)
     console.finish()
     print(arguments.out / "index.html")
