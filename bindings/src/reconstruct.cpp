@@ -239,11 +239,11 @@ void bind_reconstruct(py::module_ &m) {
       .def_property_readonly("context", &Reconstruction::context, "Context, whose log is also in log.txt")
       .def_property(
           "session", [](Reconstruction &self) { return self.session(); }, &Reconstruction::set_session,
-          "Session, read when it is asked for")
+          "Session, read when it is asked for; by run() if its files were written since")
       .def("reread_session", &Reconstruction::reread_session, "After its files were changed.")
       .def_property_readonly("filmed", &Reconstruction::filmed, "the session with the refined cameras, if there are any")
       .def_property_readonly("silhouettes", &Reconstruction::silhouettes, kInside,
-                             "trained SilhouetteExtractor; None if all cameras have ready masks")
+                             "SilhouetteExtractor, trained with the options that there are; None if all cameras have ready masks")
       .def_property_readonly("results", &Reconstruction::results, kInside, "Results of the stages")
       .def_property_readonly("record", &Reconstruction::record, kInside, "RunRecord")
       .def("solver_settings", &Reconstruction::solver_settings, "SolverSettings, without which materials mean nothing.")

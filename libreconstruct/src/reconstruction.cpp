@@ -96,8 +96,12 @@ void Reconstruction::replace(const std::string &stage, Stage::Run run, const std
 }
 
 const Session &Reconstruction::session() {
-  if (!session_)
+  if (!session_) {
     session_ = read_session(session_folder_);
+    for (const char *kind : {"description", "calibration", "joints"})
+      for (const Path &file : detail::session_files(*session_, kind))
+        session_files_[file] = std::filesystem::last_write_time(file);
+  }
   return *session_;
 }
 
@@ -108,7 +112,21 @@ void Reconstruction::set_session(Session session) {
 
 void Reconstruction::reread_session() {
   session_.reset();
-  if (silhouettes_) // trained on the cameras and clean plates that there were
+  session_files_.clear();
+  retire_silhouettes(); // trained on the cameras and clean plates that there were
+}
+
+/// What a person has written since, the record would take for what was read.
+void Reconstruction::reread_what_changed() {
+  std::error_code gone; // which is no time that a file was written at
+  const auto changed = [&](const auto &known) { return std::filesystem::last_write_time(known.first, gone) != known.second; };
+  if (std::any_of(session_files_.begin(), session_files_.end(), changed))
+    reread_session();
+  results_.forget();
+}
+
+void Reconstruction::retire_silhouettes() {
+  if (silhouettes_)
     former_silhouettes_.push_back(std::move(*silhouettes_));
   silhouettes_.reset();
 }
@@ -119,6 +137,10 @@ Session Reconstruction::filmed() {
 }
 
 const SilhouetteExtractor *Reconstruction::silhouettes() {
+  auto asked = options::to_pairs(options.silhouette);
+  if (asked != silhouette_options_) // which the record says that they are of
+    retire_silhouettes();
+  silhouette_options_ = std::move(asked);
   if (!silhouettes_)
     silhouettes_ = session_silhouettes(session(), *FrameSource::open(session()), options.silhouette, context_);
   return silhouettes_->get();
@@ -141,6 +163,7 @@ FitOptions Reconstruction::fit_options() {
 }
 
 bool Reconstruction::run_all(bool force) {
+  reread_what_changed();
   announce(session().name + ": " + std::to_string(session().cameras.size()) + " cameras, " +
            std::to_string(session().frame_count) + " frames at " + options::to_text(session().fps, 6) + " fps");
   std::vector<std::string> names;
@@ -169,6 +192,7 @@ bool Reconstruction::run(const std::vector<std::string> &names, bool force) {
 void Reconstruction::begin(bool needs_scan) {
   if (std::filesystem::exists(out_) && !std::filesystem::is_directory(out_))
     throw Error(out_.string() + ": expected a folder for the results, found a file");
+  reread_what_changed();
   require_same_session();
   require_start_in_take();
   if (needs_scan)

@@ -185,16 +185,22 @@ def test_the_commands_bars(world):
         assert ("below: 50 % after" in stream.getvalue()) != bar
 
 
-def test_silhouettes_outlive_the_session_that_they_were_made_for(world, tmp_path):
-    write_session(tmp_path, world)
-    described = json.loads((tmp_path / "session.json").read_text())
+def film_noise(world, folder) -> dict:
+    """Writes a session of images without masks; its description."""
+    write_session(folder, world)
+    described = json.loads((folder / "session.json").read_text())
     for camera in described["cameras"]:
         camera["video"] = camera.pop("masks")
-    (tmp_path / "session.json").write_text(json.dumps(described))
+    (folder / "session.json").write_text(json.dumps(described))
     random = np.random.default_rng(1)
-    for path in (tmp_path / "masks").glob("*.png"):
+    for path in (folder / "masks").glob("*.png"):
         width, height = Image.open(path).size
         Image.fromarray(random.integers(0, 256, (height, width, 3), np.uint8)).save(path)
+    return described
+
+
+def test_silhouettes_outlive_the_session_that_they_were_made_for(world, tmp_path):
+    described = film_noise(world, tmp_path)
     made = d.Reconstruction(tmp_path, tmp_path / "out")
     silhouettes, image = made.silhouettes, d.FrameSource.open(made.session).image(0, 0)
     before = silhouettes.extract(0, image)
@@ -207,3 +213,38 @@ def test_silhouettes_outlive_the_session_that_they_were_made_for(world, tmp_path
     np.testing.assert_array_equal(made.silhouettes.extract(0, image), before)
     with pytest.raises(ValueError, match="camera"):
         made.silhouettes.extract(1, image)
+
+
+def test_a_session_that_was_edited_is_read_again(world, tmp_path):
+    """As run.json says: the stage runs because a file of it has changed."""
+    write_session(tmp_path / "session", world)
+    made = d.Reconstruction(tmp_path / "session", tmp_path / "out")
+    height = d.Stage("height", lambda job: {"y": float(job.session.joints[0].position[1])}, session_inputs=["joints"])
+    made.stages = [height]
+    joints = tmp_path / "session" / "joints.json"
+    for y in (1.0, 1.25):
+        described = json.loads(joints.read_text())
+        described["joints"]["pelvis"]["position"][1] = y
+        joints.write_text(json.dumps(described, indent=int(4 * y)))
+        assert made.run(["height"]) and not made.run(["height"])
+        assert made.record.summary("height") == {"y": y}
+    given = made.session
+    given.joints = [d.JointAnnotation("pelvis", "", [0, 2, 0])]
+    made.session = given  # goes before what is in the folder
+    joints.write_text(joints.read_text() + "\n")
+    made.run(["height"])
+    assert made.record.summary("height") == {"y": 2}
+
+
+def test_silhouettes_are_made_with_the_options_that_there_are(world, tmp_path):
+    """run.json says that they were."""
+    film_noise(world, tmp_path)
+    made = d.Reconstruction(tmp_path, tmp_path / "out")
+    silhouettes, image = made.silhouettes, d.FrameSource.open(made.session).image(0, 0)
+    assert made.silhouettes is silhouettes
+    made.options["silhouette"].method = "plates"  # which the session has not
+    with pytest.raises(d.Error, match="plate"):
+        _ = made.silhouettes
+    made.options["silhouette"].method = "median"
+    assert made.silhouettes is not silhouettes
+    np.testing.assert_array_equal(silhouettes.extract(0, image), made.silhouettes.extract(0, image))

@@ -131,6 +131,33 @@ TEST_F(TwoStages, AFileMadeElsewhereIsKept) {
   EXPECT_EQ(first, 2);
 }
 
+TEST_F(TwoStages, WhatWasReadIsReadAgainFromAFileMadeElsewhere) {
+  const auto write = [](const Path &path, int vertices) {
+    RiggedMesh actor;
+    actor.mesh.vertices.resize(vertices, 3);
+    actor.mesh.faces.resize(vertices - 2, 3);
+    for (int v = 0; v < vertices; ++v)
+      actor.mesh.vertices.row(v) << v, v * v, 0;
+    for (int f = 0; f < vertices - 2; ++f)
+      actor.mesh.faces.row(f) << 0, f + 1, f + 2;
+    actor.face_valid.assign(actor.mesh.faces.rows(), 1);
+    actor.skeleton = make_skeleton({{"pelvis", "", {0, 1, 0}, 6}});
+    actor.weights = MatrixRM::Ones(vertices, 1);
+    write_actor(path, actor);
+  };
+  const Stage count{.name = "count", .reads = {"actor.npz"}, .needs_scan = false, .run = [](Reconstruction &self) {
+                      return "{\"vertices\":" + std::to_string(self.results().actor().mesh.vertices.rows()) + "}";
+                    }};
+  auto made = make();
+  made->stages = {count};
+  for (const int vertices : {3, 30}) {
+    write(made->path("actor.npz"), vertices);
+    EXPECT_TRUE(made->run({"count"}));
+    EXPECT_EQ(made->record().summary("count"), "{\"vertices\":" + std::to_string(vertices) + "}");
+    EXPECT_EQ(made->results().actor().mesh.vertices.rows(), vertices) << "somebody looks at it";
+  }
+}
+
 TEST_F(TwoStages, AMissingInputNamesTheStageThatWritesIt) {
   EXPECT_NE(error_of([&] { make()->run({"two"}); }).find("a.txt is missing; stage 'one' writes it"), std::string::npos);
   EXPECT_THROW(make()->run({"three"}), std::invalid_argument);

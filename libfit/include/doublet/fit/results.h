@@ -27,7 +27,7 @@ class Results {
 public:
   explicit Results(Path folder) : out_(std::move(folder)) {}
   Path path(const std::string &name) const { return out_ / name; }
-  /// To be called after files were written.
+  /// To be called after files were written. Reconstruction::run() begins with it.
   void forget();
   /// The garment at these positions among its widths (see choose_widths), until forget(), whatever material.json says.
   void set_widths(const std::vector<double> &positions);

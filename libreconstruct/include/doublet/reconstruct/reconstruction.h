@@ -16,10 +16,13 @@
 #include "doublet/reconstruct/run_record.h"
 #include "doublet/simulate/solver_settings.h"
 
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace doublet {
@@ -80,11 +83,12 @@ public:
   const Path &out() const { return out_; }
   Path path(const std::string &file) const { return out_ / file; }
   const Context &context() const { return context_; } ///< the caller's; what is logged is also in log.txt
-  const Session &session();                           ///< read at the first call
+  const Session &session();                           ///< read at the first call; by run() if its files were written since
   void set_session(Session session);                  ///< in the place of the folder's
   void reread_session();                              ///< after its files were changed
   Session filmed(); ///< the session with the cameras that the performance was captured with: the refined ones, if there are any
-  /// Trained at the first call, for the cameras without ready masks; null if all have some. Lives as long as this object.
+  /// Trained at the first call, and anew after `options.silhouette` were changed, for the cameras without ready masks; null if
+  /// all have some. Lives as long as this object.
   const SilhouetteExtractor *silhouettes();
   Results &results() { return results_; }
   RunRecord &record(); ///< read at the first call
@@ -98,12 +102,17 @@ private:
   std::shared_ptr<bool> logging_; ///< to log.txt
   Context context_;
   std::optional<Session> session_;
+  std::map<Path, std::filesystem::file_time_type> session_files_; ///< that it was read from, and when they were written
   std::optional<std::unique_ptr<SilhouetteExtractor>> silhouettes_;
-  std::vector<std::unique_ptr<SilhouetteExtractor>> former_silhouettes_; ///< of other sessions; somebody may still have them
+  std::vector<std::pair<std::string, std::string>> silhouette_options_; ///< that they were trained with
+  /// Of other sessions or options; somebody may still have them.
+  std::vector<std::unique_ptr<SilhouetteExtractor>> former_silhouettes_;
   Results results_;
   std::optional<RunRecord> record_;
   std::vector<Finding> findings_;
 
+  void reread_what_changed();
+  void retire_silhouettes();
   void begin(bool needs_scan);
   void require_same_session();
   void require_start_in_take();
