@@ -247,9 +247,12 @@ bool Reconstruction::run_if_needed(const Stage &stage, bool force) {
     return true;
   }
   const std::vector<std::string> foreign = record().foreign_outputs(stage.name, stage.writes);
-  const bool complete = std::all_of(stage.writes.begin(), stage.writes.end(),
-                                    [&](const std::string &name) { return std::filesystem::exists(path(name)); });
-  if (!foreign.empty() && complete) {
+  if (!foreign.empty()) {
+    for (const std::string &name : stage.writes)
+      if (!std::filesystem::exists(path(name))) // the stage would write over what is somebody's
+        throw Error(path(foreign.front()).string() + " was not written by this program, and " + name + ", which stage '" +
+                    stage.name + "' writes beside it, is missing; write it, too, or delete " + foreign.front() +
+                    " (or --force) to compute both");
     announce(stage.name + ": kept, " + foreign.front() +
              " was not written by this program (delete it, or --force, to compute it)");
     return false;
@@ -267,7 +270,16 @@ void Reconstruction::compute(const Stage &stage, const StageBasis &basis, const 
   announce(stage.name + ": running (" + reason + ")");
   context_.log_line("== " + stage.name);
   record().begin(stage.name, basis);
-  const std::string summary = stage.run(*this);
+  std::string summary;
+  try {
+    summary = stage.run(*this);
+  } catch (...) {
+    try {
+      record().stop(stage.name, stage.writes);
+    } catch (const std::exception &) { // of a full disk, say: what the stage threw tells more
+    }
+    throw;
+  }
   results_.forget();
   record().end(stage.name, summary, stage.writes);
   announce(stage.name + ": done in " + record().duration_text(stage.name));

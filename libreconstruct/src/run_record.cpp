@@ -208,7 +208,7 @@ std::map<std::string, std::string> RunRecord::inputs() const {
 std::vector<std::string> RunRecord::foreign_outputs(const std::string &stage, const std::vector<std::string> &outputs) {
   data_->read_again();
   const Json *entry = data_->entry(stage);
-  if (entry && entry->at("state") == "running")
+  if (entry && entry->at("state") == "running" && !entry->contains("stopped")) // it runs, or was killed: they may be its own
     return {};
   const Json written = entry ? entry->value("outputs", Json::object()) : Json::object();
   std::vector<std::string> foreign;
@@ -259,6 +259,15 @@ void RunRecord::end(const std::string &stage, const std::string &summary, const 
   for (const std::string &name : outputs)
     entry["outputs"][name] = hash(data_->out / name);
   entry["state"] = "done";
+  data_->save(stage);
+}
+
+void RunRecord::stop(const std::string &stage, const std::vector<std::string> &outputs) {
+  Json &entry = data_->json["stages"][stage];
+  for (const std::string &name : outputs)
+    if (std::filesystem::exists(data_->out / name))
+      entry["outputs"][name] = hash(data_->out / name);
+  entry["stopped"] = true;
   data_->save(stage);
 }
 

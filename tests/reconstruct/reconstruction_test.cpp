@@ -163,6 +163,29 @@ TEST_F(TwoStages, AMissingInputNamesTheStageThatWritesIt) {
   EXPECT_THROW(make()->run({"three"}), std::invalid_argument);
 }
 
+TEST_F(TwoStages, AFileMadeElsewhereIsNotWrittenOverForOneThatIsMissing) {
+  auto made = make();
+  made->stages[0].writes.push_back("more.txt");
+  made->stages[0].run = [](Reconstruction &self) {
+    write_text(self.path("a.txt"), "a");
+    write_text(self.path("more.txt"), "more");
+    return std::string("{}");
+  };
+  write_text(made->path("a.txt"), "by hand");
+  const std::string expected =
+      "a.txt was not written by this program, and more.txt, which stage 'one' writes beside it, is missing";
+  EXPECT_NE(error_of([&] { made->run({"one"}); }).find(expected), std::string::npos);
+  EXPECT_EQ(read_text(made->path("a.txt")), "by hand");
+  EXPECT_TRUE(made->run({"one"}, true));
+  std::filesystem::remove(made->path("more.txt"));
+  EXPECT_TRUE(made->run({"one"})) << "what is left is its own";
+  std::filesystem::remove(made->path("more.txt"));
+  write_text(made->path("a.txt"), "by hand once more");
+  EXPECT_NE(error_of([&] { made->run({"one"}); }).find(expected), std::string::npos);
+  write_text(made->path("more.txt"), "by hand, too");
+  EXPECT_FALSE(made->run({"one"}));
+}
+
 TEST_F(TwoStages, AStageOfOnesOwnIsNotTakenForOurs) {
   make()->run({"one", "two"});
   auto other = make();
@@ -210,6 +233,17 @@ TEST_F(TwoStages, WhatThrowsIsRecordedAsStopped) {
   said.clear();
   EXPECT_TRUE(make()->run({"one"}));
   EXPECT_EQ(said[0], "one: running (the last run was stopped here)");
+}
+
+TEST_F(TwoStages, WhatIsWrittenElsewhereAfterAStageWasStoppedIsKept) {
+  auto stopped = make();
+  stopped->replace(
+      "one", [](Reconstruction &) -> std::string { throw Cancelled(); }, "");
+  EXPECT_THROW(stopped->run({"one"}), Cancelled);
+  write_text(folder.path() / "out" / "a.txt", "by hand");
+  EXPECT_TRUE(make()->run({"one", "two"}));
+  EXPECT_EQ(std::pair(first, second), std::pair(0, 1));
+  EXPECT_EQ(read_text(folder.path() / "out" / "a.txt"), "by hand");
 }
 
 TEST_F(TwoStages, AnotherSessionIsRefused) {

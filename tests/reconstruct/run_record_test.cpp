@@ -85,6 +85,21 @@ TEST(RunRecord, AStageThatWasStoppedRunsAgain) {
   EXPECT_TRUE(record.foreign_outputs("segment", kOutputs).empty()) << "it is our own";
 }
 
+TEST(RunRecord, OfAStageThatWasStoppedItKnowsWhatOthersHaveWrittenSince) {
+  const TempFolder folder;
+  RunRecord stopped(folder.path());
+  stopped.begin("segment", kBasis);
+  write_text(folder.path() / "segmentation.npz", "half");
+  stopped.stop("segment", kOutputs);
+  RunRecord record(folder.path());
+  EXPECT_EQ(record.reason_to_run("segment", kBasis, kOutputs), "the last run was stopped here");
+  EXPECT_TRUE(record.foreign_outputs("segment", kOutputs).empty());
+  write_text(folder.path() / "segmentation.npz", "made by another program");
+  EXPECT_EQ(record.foreign_outputs("segment", kOutputs), kOutputs);
+  record.begin("segment", kBasis);
+  EXPECT_TRUE(record.foreign_outputs("segment", kOutputs).empty()) << "it runs again";
+}
+
 TEST(RunRecord, NamesABrokenFile) {
   for (const char *text : {"{", "[]", R"({"stages": 1})", R"({"session": 1, "stages": {}})", R"({"format": 7, "stages": {}})"}) {
     const TempFolder folder;

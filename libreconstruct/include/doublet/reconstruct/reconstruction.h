@@ -72,8 +72,9 @@ public:
   /// Stages by name, in the reconstruction's order, each unless it is up to date; `force`: in any case, and over files that were
   /// made elsewhere. Returns whether any ran. Throws Implausible if a result, old or new, cannot be true (what was written stays;
   /// not with options.keep_going, nor of files that were made elsewhere); Error if the folder has the results of another session,
-  /// if the session has no scan or joints; FileNotFound naming the stage that writes a missing file; std::invalid_argument for an
-  /// unknown name; whatever a stage throws. Nothing that was computed is lost.
+  /// if the session has no scan or joints, if some of a stage's files were made elsewhere and others are missing; FileNotFound
+  /// naming the stage that writes a missing file; std::invalid_argument for an unknown name; whatever a stage throws. Nothing
+  /// that was computed is lost.
   bool run(const std::vector<std::string> &names, bool force = false);
   bool run_all(bool force = false);
   /// What the stages that were asked for found doubtful, or impossible and were not stopped by.

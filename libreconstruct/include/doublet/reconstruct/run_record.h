@@ -47,6 +47,8 @@ public:
   void begin(const std::string &stage, const StageBasis &basis);
   /// It is done. `summary`: a JSON object as text, whose numbers are rounded to six digits.
   void end(const std::string &stage, const std::string &summary, const std::vector<std::string> &outputs);
+  /// It was stopped and runs again, unless somebody else writes its outputs: those that there are now are its own.
+  void stop(const std::string &stage, const std::vector<std::string> &outputs);
   std::string duration_text(const std::string &stage) const; ///< "12.3 s, peak memory 456 MB" of a stage that is done
 
 private:
