@@ -13,15 +13,19 @@ py::object plain_of(const py::object &value) {
   throw py::type_error("expected what JSON can hold, found " + described(value));
 }
 
+/// What is no finite number is null, as in a summary of C++: JSON has no other word for it.
 std::string to_json(const py::object &value) {
-  return py::module_::import("json").attr("dumps")(value, py::arg("default") = py::cpp_function(&plain_of)).cast<std::string>();
+  const py::module_ json = py::module_::import("json");
+  const py::object text = json.attr("dumps")(value, py::arg("default") = py::cpp_function(&plain_of));
+  const py::cpp_function null([](const py::str &) { return py::none(); });
+  return json.attr("dumps")(json.attr("loads")(text, py::arg("parse_constant") = null)).cast<std::string>();
 }
 
 py::object from_json(const std::string &text) {
   return py::module_::import("json").attr("loads")(text);
 }
 
-/// A stage's work written in Python: run(reconstruction) -> dict of numbers.
+/// A stage's work written in Python: run(reconstruction) -> dict of numbers; None = there are none.
 Stage::Run run_from(const py::function &function) {
   const std::shared_ptr<py::function> kept(new py::function(function), [](py::function *held) {
     const py::gil_scoped_acquire gil;
@@ -29,7 +33,10 @@ Stage::Run run_from(const py::function &function) {
   });
   return [kept](Reconstruction &reconstruction) {
     const py::gil_scoped_acquire gil;
-    return to_json((*kept)(py::cast(&reconstruction, py::return_value_policy::reference)));
+    const py::object numbers = (*kept)(py::cast(&reconstruction, py::return_value_policy::reference));
+    if (!numbers.is_none() && !py::isinstance<py::dict>(numbers))
+      throw py::type_error("a stage must return a dict of numbers, or None, found " + described(numbers));
+    return numbers.is_none() ? std::string("{}") : to_json(numbers);
   };
 }
 
@@ -181,7 +188,7 @@ void bind_stage(py::module_ &m) {
            py::arg("writes") = std::vector<std::string>{}, py::arg("may_read") = std::vector<std::string>{},
            py::arg("option_groups") = std::vector<std::string>{}, py::arg("session_inputs") = std::vector<std::string>{},
            py::arg("needs_scan") = true, py::arg("runner") = py::none(),
-           "run(reconstruction) does the work and returns the numbers worth recording. runner: its name, for the record.")
+           "run(reconstruction) does the work and returns numbers worth recording, or None. runner: its name, for the record.")
       .def_readonly("name", &Stage::name, "of the stage")
       .def_readonly("reads", &Stage::reads, "files of the folder")
       .def_readonly("writes", &Stage::writes, "files of the folder")

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <stdexcept>
 
 namespace doublet {
 
@@ -250,12 +251,16 @@ void RunRecord::begin(const std::string &stage, const StageBasis &basis) {
 }
 
 void RunRecord::end(const std::string &stage, const std::string &summary, const std::vector<std::string> &outputs) {
+  const Json numbers = Json::parse(summary, nullptr, false);
+  if (!numbers.is_object()) // as an entry it would not be read again, and what the stage wrote be taken for somebody else's
+    throw std::invalid_argument("RunRecord::end: expected a JSON object as the summary of stage '" + stage + "', found " +
+                                summary.substr(0, 60));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - data_->begun).count();
   Json &entry = data_->json["stages"][stage];
   entry["seconds"] = std::round(100 * seconds) / 100;
   entry["peak_memory_mb"] = data_->memory->megabytes();
   entry["peak_memory_scope"] = data_->memory->scope();
-  entry["summary"] = rounded(Json::parse(summary));
+  entry["summary"] = rounded(numbers);
   for (const std::string &name : outputs)
     entry["outputs"][name] = hash(data_->out / name);
   entry["state"] = "done";

@@ -58,6 +58,27 @@ def test_a_stage_takes_the_place_of_ours(make_job):
     assert make_job().run(["segment"]) and job.results.segmentation().region_count == 0
 
 
+def test_a_number_that_is_not_known_is_null(make_job):
+    """As it is where our stages have none: the mean of nothing is no reason to lose what was computed."""
+    job = make_job()
+    unknown = {"noise_mm": float("nan"), "shares": np.array([0.5, np.inf]), "least": -np.inf}
+    job.replace("segment", lambda job: everything_is_cloth(job) | unknown)
+    assert job.run(["segment"]) and not job.run(["segment"])
+    found = job.record.summary("segment")
+    assert (found["noise_mm"], found["shares"], found["least"]) == (None, [0.5, None], None)
+    assert d.quality_findings("segment", unknown) == []
+
+
+def test_a_stage_need_not_return_numbers(make_job):
+    job = make_job()
+    job.replace("segment", lambda job: everything_is_cloth(job) and None)
+    assert job.run(["segment"]) and not job.run(["segment"])
+    assert job.record.is_done("segment") and not job.record.foreign_outputs("segment", ["segmentation.npz"])
+    job.replace("segment", lambda job: [everything_is_cloth(job)])
+    with pytest.raises(TypeError, match="a stage must return a dict of numbers, or None, found list"):
+        job.run(["segment"])
+
+
 def test_what_is_cloth_is_told_by_the_body_too(make_job, tmp_path):
     def runs(name="model.npz", **body) -> bool:
         job = make_job()

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 namespace doublet {
 
 namespace {
@@ -105,6 +107,15 @@ TEST(RunRecord, NamesABrokenFile) {
     const TempFolder folder;
     write_text(folder.path() / "run.json", text);
     EXPECT_NE(error_of([&] { RunRecord{folder.path()}; }).find("run.json"), std::string::npos) << text;
+  }
+}
+
+TEST_F(RunRecordOfOneStage, RefusesASummaryThatItCouldNotReadAgain) {
+  for (const char *summary : {"null", "[1]", "\"done\"", "", "{"}) {
+    RunRecord record(folder.path());
+    record.begin("segment", kBasis);
+    EXPECT_THROW(record.end("segment", summary, kOutputs), std::invalid_argument) << summary;
+    EXPECT_EQ(reason(), "the last run was stopped here");
   }
 }
 
