@@ -208,7 +208,7 @@ void bind_session(py::module_ &m) {
       .def_readwrite("scan_from_views", &Session::scan_from_views, "whether `doublet scan` made the scan from the views")
       .def_readwrite("calibration", &Session::calibration, "absolute")
       .def_readwrite("markers", &Session::markers, "joints.json, absolute; empty if there is none")
-      .def_readwrite("joints", &Session::joints, "JointMarks of joints.json")
+      .def_readwrite("joints", &Session::joints, "JointAnnotations of joints.json")
       .def_readwrite("landmarks", &Session::landmarks, "name -> (3) m, clicked on the body's surface")
       .def_readwrite("new_motion", &Session::new_motion, "absolute; empty if there is none")
       .def_readwrite("keypoints", &Session::keypoints, "keypoints.npz, absolute; empty if there is none");

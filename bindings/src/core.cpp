@@ -306,7 +306,7 @@ void bind_observations(py::module_ &m) {
           "(N, 4) features at t-1 (x, y) and t (x, y)");
   Class<Observations>(m, "Observations", "2D data of the whole sequence (observations.npz).")
       .def(py::init<>())
-      .def_readwrite("cameras", &Observations::cameras, "names")
+      .def_readwrite("cameras", &Observations::cameras, "(C) Cameras, in the order of a frame's views")
       .def_numbers_readwrite("frames", &Observations::frames, "(T) video frame numbers")
       .def_readwrite("views", &Observations::views, "[frame][camera]; a copy");
 }

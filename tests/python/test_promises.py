@@ -67,6 +67,12 @@ def test_every_property_is_documented():
     assert [name for name, member in bound_properties() if not (member.__doc__ or "").strip()] == []
 
 
+def test_docstrings_say_what_is_held_and_asked_for():
+    assert "Camera" in d.Observations.cameras.__doc__
+    assert "JointAnnotation" in d.Session.joints.__doc__
+    assert "directions (N, 3) unit" in d.RayScene.cast.__doc__
+
+
 def test_every_argument_has_a_name():
     setters = [(name, member.fset) for name, member in bound_properties() if member.fset]
     assert len(setters) > 300
