@@ -72,11 +72,16 @@ std::vector<Patch> connected_patches(const Surface &surface, const std::vector<c
 }
 
 void merge_small(const Surface &surface, const std::vector<char> &member, double smallest, std::vector<char> &kinds) {
-  for (char kind : {0, 1})
+  for (char kind : {0, 1}) {
+    const auto borders = [&](int v) {
+      return std::any_of(surface.neighbours[v].begin(), surface.neighbours[v].end(),
+                         [&](int w) { return member[w] && kinds[w] != kind; });
+    };
     for (const Patch &patch : connected_patches(surface, choose(surface, [&](int v) { return member[v] && kinds[v] == kind; })))
-      if (patch.area < smallest)
+      if (patch.area < smallest && std::any_of(patch.members.begin(), patch.members.end(), borders))
         for (int v : patch.members)
           kinds[v] = static_cast<char>(1 - kind);
+  }
 }
 
 Eigen::VectorXd snapped(const Eigen::VectorXd &values) {

@@ -38,7 +38,7 @@ template <typename Predicate> std::vector<char> choose(const Surface &surface, P
 }
 
 /// Patches of either kind, 0 or 1, of the vertices that are `member` (V), that are smaller than `smallest` (m^2) go with what is
-/// around them.
+/// around them; what has none of the other kind around it stays.
 void merge_small(const Surface &surface, const std::vector<char> &member, double smallest, std::vector<char> &kinds);
 
 /// (V) diffused values of labels, 0 or 1, without what diffusion leaves far away; on no face, where it leaves NaN, 0.

@@ -129,6 +129,22 @@ TEST(CarriedCloth, AFreePieceThatIsTooSmallIsCarriedToo) {
   EXPECT_EQ(made_of(with_free_to(0.6)).garment.region_count, 1);  // 0.4 m^2
 }
 
+/// A tight belt, and no other cloth: nothing around it hangs.
+TEST(CarriedCloth, ASmallPieceByItselfIsWhatItIs) {
+  Person person;
+  person.segmentation.clothness.setZero();
+  person.segmentation.region.setConstant(-1);
+  for (int ring = skirt_person::first_ring(1.1); ring < skirt_person::first_ring(1.15); ++ring) // 0.05 m^2
+    person.set_cloth(ring, 0);
+  GarmentOptions options = small_garment();
+  options.remesh = false;
+  for (const bool snug : {true, false}) {
+    person.segmentation.slack = Eigen::VectorXd::Constant(person.actor.mesh.vertices.rows(), snug ? 0.005 : 0.1);
+    const Garment garment = made_of(person, options).garment;
+    EXPECT_EQ(dress(person.actor, person.segmentation, garment).segmentation.region_count, snug ? 0 : 1);
+  }
+}
+
 TEST(CarriedCloth, APieceThatLiesOnTheBodyAmidLooseClothRestsThere) {
   const auto resting_to = [](double low) { return with_slack([=](double y) { return y > 0.8 || y < low ? 0.1 : 0.005; }); };
   EXPECT_EQ(made_of(resting_to(0.77)).garment.clothness, made_of(Person()).garment.clothness); // 0.05 m^2
