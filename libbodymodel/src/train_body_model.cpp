@@ -249,6 +249,10 @@ TrainSummary train_body_model(const std::filesystem::path &population_path, cons
   Npz population_file = Npz::read(population_path);
   Population population = read_population(population_file);
   population_file.arrays.erase("vertices_q");
+  for (const int individual : options.individuals)
+    if (individual >= population.individuals) // else a list that counts from 1 leaves people out unnoticed
+      throw std::invalid_argument("TrainOptions: individuals: expected numbers below " + std::to_string(population.individuals) +
+                                  ", the people of " + population_file.source + ", found " + std::to_string(individual));
   std::vector<int> chosen;
   for (int m = 0; m < population.meshes; ++m)
     if (options.individuals.empty() ||

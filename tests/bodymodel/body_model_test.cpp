@@ -147,6 +147,8 @@ TEST(TrainBodyModel, RejectsBrokenPopulations) {
   options = {};
   options.individuals = {999};
   EXPECT_THROW(train_body_model(t.population, out, options), std::invalid_argument);
+  options.individuals = {0, 1, 2, kPeople}; // the last one is not there
+  EXPECT_THROW(train_body_model(t.population, out, options), std::invalid_argument);
   const Npz good = toy::population(3);
   for (const char *name :
        {"vertices_q", "vertex_scale", "faces", "skin_weights", "joint_rotvec", "joint_parents", "landmark_indices"}) {
