@@ -43,6 +43,17 @@ def test_a_good_reconstruction_is_called_good(tmp_path):
     assert "simulated character overlaps the silhouettes by 0.850 on average" in text and "least in frame 8 (0.800)" in text
 
 
+def test_numbers_do_not_count_for_a_file_that_was_made_elsewhere(tmp_path):
+    shown = Shown(tmp_path, {})
+    shown.record = d.RunRecord(tmp_path)
+    shown.record.begin("body", {}, {})
+    (tmp_path / "body.npz").write_text("ours")
+    shown.record.end("body", {"residual_mm": 1.5, "proxies": 12}, ["body.npz"])
+    assert "body, mm: 1.5 (expected" in words(report.verdict(shown)) and "proxies" in report.timings(shown)
+    (tmp_path / "body.npz").write_text("another program's")
+    assert "Good:" not in report.verdict(shown) and "proxies" not in report.timings(shown)
+
+
 def test_doubts_are_counted_and_say_what_to_do(tmp_path):
     stages = {"body": {"residual_mm": 30.0}, "performance": {"frames_lost": {"l_ankle": 7}}}
     text = words(report.verdict(Shown(tmp_path, stages, [GUESS, BOUND])))

@@ -31,14 +31,28 @@ class Doubt:
     text: str
 
 
+def summaries_of(job) -> dict[str, dict]:
+    """Stage -> its numbers in run.json, if its files are those that it wrote: of files that were made elsewhere they say
+    nothing."""
+
+    def is_own(name: str, known: str) -> bool:
+        return not job.path(name).exists() or job.record.hash(job.path(name)) == known
+
+    return {
+        stage: entry["summary"]
+        for stage, entry in job.record.data["stages"].items()
+        if "summary" in entry and all(is_own(name, known) for name, known in entry.get("outputs", {}).items())
+    }
+
+
 def doubts_of(job) -> list[Doubt]:
-    stages = job.record.data["stages"]
+    summaries = summaries_of(job)
     doubts = [
         Doubt(name, finding.kind, finding.text)
-        for name, entry in stages.items()
-        for finding in d.quality_findings(name, entry.get("summary", {}))
+        for name, summary in summaries.items()
+        for finding in d.quality_findings(name, summary)
     ]
-    lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
+    lost = summaries.get("performance", {}).get("frames_lost", {})
     doubts += [Doubt("performance", "lost", f"{joint} was lost in {count} frames") for joint, count in lost.items()]
     fitted = job.path("material.json")
     return doubts + (fit_doubts(fitted) if fitted.exists() else [])
@@ -59,9 +73,9 @@ def fit_doubts(fitted: Path) -> list[Doubt]:
 
 def good_of(job) -> list[str]:
     """What was measured and is as it should be, with what it should be."""
-    stages = job.record.data["stages"]
+    summaries = summaries_of(job)
     good = []
     for limit in d.quality_limits():
-        value = stages.get(limit.stage, {}).get("summary", {}).get(limit.number)
+        value = summaries.get(limit.stage, {}).get(limit.number)
         good += [limit.passed(value)] if value is not None else []
     return [text for text in good if text]

@@ -13,7 +13,7 @@ from .._doublet import __version__
 from ..common import drawing
 from ..common.files import arrays_of, write_text
 from . import fit_page
-from .doubts import ADVICE, doubts_of, good_of
+from .doubts import ADVICE, doubts_of, good_of, summaries_of
 from .html_document import page, table
 
 FRAMES_LOOKED_AT = 32  # for the overlap with the silhouettes: all cameras of each are keyed
@@ -78,8 +78,8 @@ def template(shown: Shown) -> str:
     for name, azimuth, elevation in views:
         camera = d.orbit_camera((low + high) / 2, 0.52 * np.linalg.norm(high - low), azimuth, elevation, 480, 480)
         figures.append(figure(drawing.shade(surfaces, camera), name))
-    stages = shown.job.record.data["stages"]
-    summary = {**stages.get("template", {}).get("summary", {}), **stages.get("rig", {}).get("summary", {})}
+    summaries = summaries_of(shown.job)
+    summary = {**summaries.get("template", {}), **summaries.get("rig", {})}
     rows = [[k.replace("_", " "), v] for k, v in summary.items()]
     return "<p>Red: invalid triangles, which the scan does not support.</p>" + row(figures) + table(["number", "value"], rows)
 
@@ -98,7 +98,7 @@ def overlays(shown: Shown) -> str:
 
 def cameras(shown: Shown) -> str:
     """What the take says about the calibration; empty if it was not asked."""
-    summary = shown.job.record.data["stages"].get("performance", {}).get("summary", {})
+    summary = summaries_of(shown.job).get("performance", {})
     found = summary.get("cameras")
     if not found:
         return ""
@@ -152,7 +152,7 @@ def garment(shown: Shown) -> str:
         solid = drawing.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
         drawn = drawing.draw_outline(solid, drawing.edges(vertices, faces, camera), (90, 50, 50))
         figures.append(figure(drawn[drawing.crop_box(vertices, camera)], name))
-    summary = shown.job.record.data["stages"].get("garment", {}).get("summary", {})
+    summary = summaries_of(shown.job).get("garment", {})
     rows = [[k.replace("_", " "), v] for k, v in summary.items() if k != "findings"]
     rows += [[f"area in the {name}, m²", float(d.face_areas(vertices, faces).sum())] for name, vertices in shapes]
     text = "<p>Lengths and masses come from the rest shape. Light: what hangs on the skeleton.</p>"
@@ -301,7 +301,8 @@ def timings(shown: Shown) -> str:
     done = {k: v for k, v in stages.items() if v["state"] == "done"}
     rows = [[k, float(v["seconds"]), float(v["peak_memory_mb"])] for k, v in done.items()]
     rows.append(["all", float(sum(v["seconds"] for v in done.values())), float(max(v["peak_memory_mb"] for v in done.values()))])
-    numbers = [[k, n.replace("_", " "), value] for k, v in done.items() for n, value in v["summary"].items() if n != "findings"]
+    measured = {k: v for k, v in summaries_of(shown.job).items() if k in done}
+    numbers = [[k, n.replace("_", " "), value] for k, v in measured.items() for n, value in v.items() if n != "findings"]
     return table(["stage", "seconds", "peak memory, MB"], rows) + table(["stage", "number", "value"], numbers)
 
 
