@@ -76,7 +76,7 @@ def test_a_stage_need_not_return_numbers(make_job):
     assert job.record.is_done("segment") and not job.record.foreign_outputs("segment", ["segmentation.npz"])
     job.replace("segment", lambda job: [everything_is_cloth(job)])
     with pytest.raises(TypeError, match="a stage must return a dict of numbers, or None, found list"):
-        job.run(["segment"])
+        job.run(["segment"], force=True)
 
 
 def test_what_is_cloth_is_told_by_the_body_too(make_job, tmp_path):
