@@ -20,6 +20,7 @@ constexpr double kTouching = 0.010; // m, closer than this body and surface are 
 constexpr double kExposed = 0.030;  // m, farther than this the surface says nothing about the body's weights
 constexpr int kOverlap = 3;         // triangles of the body beside what cloth hides, of which nothing else may be drawn
 constexpr double kReach = 0.6;      // m, how far outside a limb its garment may hang
+constexpr double kHeat = 4;         // weights fall to 1/e along the skin within half of its distance to the axis
 
 double interpolate(const Eigen::VectorXd &values, const Faces &faces, const ClosestPoint &at) {
   double sum = 0;
@@ -122,7 +123,8 @@ void require_inputs(const RiggedMesh &actor, const Segmentation &segmentation) {
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "character");
 }
 
-/// (L + A H) w = A H p on the free vertices, w given on the others.
+/// (L + A H) w = A H p on the free vertices, w given on the others. Where they go over slowly, skin of the trunk
+/// follows an arm by centimetres out of the capsules, and out of the cloth that lies on these.
 MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::vector<TaperedCapsule> &proxies,
                          const std::vector<std::uint8_t> &fixed, MatrixRM weights) {
   const int n = static_cast<int>(body.vertices.rows());
@@ -142,7 +144,7 @@ MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::
     if (!fixed[v]) {
       const Vector3d p = body.vertices.row(v);
       const NearestBone bone = capsules.empty() ? nearest_bone(skeleton, p) : nearest_capsule(proxies, capsules, p);
-      const double heat = std::max(areas[v], 1e-10) / std::max(bone.distance * bone.distance, 1e-6);
+      const double heat = kHeat * std::max(areas[v], 1e-10) / std::max(bone.distance * bone.distance, 1e-6);
       entries.emplace_back(unknown[v], unknown[v], heat);
       right(unknown[v], bone.joint) += heat;
     }

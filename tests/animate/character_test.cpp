@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 using namespace doublet;
@@ -244,6 +245,31 @@ TEST(Character, AHiddenChestDoesNotHangOnTheArms) {
   const int shoulder = skeleton.find("l_shoulder");
   EXPECT_GT(transfer_weights(actor, segmentation, chest).col(shoulder).maxCoeff(), 0.2);
   EXPECT_LT(transfer_weights(actor, segmentation, chest, figure_capsules(skeleton)).col(shoulder).maxCoeff(), 1e-6);
+}
+
+TEST(Character, HiddenSkinHangsOnTheNextBoneNoFartherThanItIsThick) {
+  const Mesh dress = cylinder({0, -0.1, 0}, {0, 1.1, 0}, 0.3), limb = cylinder({0, 0.02, 0}, {0, 0.98, 0}, 0.1, 40, 24);
+  const Skeleton skeleton =
+      make_skeleton({{"pelvis", "", {0, 0, 0}, {}}, {"spine", "pelvis", {0, 0.5, 0}, 3}, {"chest", "spine", {0, 1, 0}, {}}});
+  RiggedMesh actor;
+  actor.mesh = dress;
+  actor.face_valid.assign(dress.faces.rows(), 1);
+  actor.weights = MatrixRM::Zero(dress.vertices.rows(), 3);
+  actor.weights.col(0).setOnes();
+  actor.skeleton = skeleton;
+  Segmentation segmentation;
+  segmentation.sigma = Eigen::VectorXd::Zero(dress.vertices.rows());
+  segmentation.clothness = Eigen::VectorXd::Ones(dress.vertices.rows());
+  segmentation.region = Eigen::VectorXi::Zero(dress.vertices.rows());
+  segmentation.region_count = 1;
+  const std::vector<TaperedCapsule> capsules{{0, {0, 0, 0}, {0, 0.5, 0}, 0.1, 0.1}, {1, {0, 0, 0}, {0, 0.5, 0}, 0.1, 0.1}};
+  const MatrixRM weights = transfer_weights(actor, segmentation, limb, capsules);
+  for (Eigen::Index v = 0; v < weights.rows(); ++v) {
+    const double above = limb.vertices(v, 1) - 0.5, radius = std::hypot(limb.vertices(v, 0), limb.vertices(v, 2));
+    if (radius > 0.09 && std::abs(above) > 0.1) {
+      EXPECT_LT(weights(v, above > 0 ? 0 : 1), 0.1) << above;
+    }
+  }
 }
 
 TEST(SurfaceTransfer, ExactAtRestAndUnderRigidMotion) {

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 // m, the scan's edge is ragged, and what closes the scan below a hem begins there. Where the scan is about twice as wide as that,
 // as between the fronts of a coat, it may fall apart where the body, whose triangles are others, does not: a little more or less.
-constexpr std::array kTakenBack = {0.02, 0.025, 0.015, 0.03, 0.035, 0.04};
+constexpr std::array kTried = {kTakenBack, 0.025, 0.015, 0.03, 0.035, 0.04};
 constexpr double kBesideHidden = 0.05; // m, the scan ends at a garment where it ends so close to what is hidden of the body
 constexpr double kSameSkin = 0.03;     // m, body and scan are the same skin up to here
 constexpr double kNoOverlap = 0.002;   // m, between the body and the scan
@@ -289,7 +289,7 @@ std::optional<WeldedSkin> weld_body(const Mesh &skin, const Mesh &body, const st
     return {};
   const Eigen::VectorXd from_the_edge =
       edge_distances(skin.vertices, vertex_neighbours(skin.faces, static_cast<int>(skin.vertices.rows())), edge);
-  for (const double taken_back : kTakenBack)
+  for (const double taken_back : kTried)
     if (std::optional<WeldedSkin> welded = weld_taken_back(skin, from_the_edge, taken_back, body, hidden))
       return welded;
   return {};

@@ -8,6 +8,8 @@
 
 namespace doublet::detail {
 
+constexpr double kTakenBack = 0.02; // m, of the scan's skin beside its end at a garment; if loops then match
+
 struct WeldedSkin {
   Mesh mesh;                      ///< the scan's vertices first
   std::vector<int> body_vertices; ///< the body's vertex that each of the others is

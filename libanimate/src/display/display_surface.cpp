@@ -26,7 +26,7 @@ constexpr double kSink = 0.001;      // m, of the skin just under the seam: it m
 constexpr double kSinkBend = 10;     // 1/m, ... more with the square of the way below it ...
 constexpr double kDeepest = 0.004;   // m, ... up to this
 constexpr double kSeamSlope = 0.3;   // just above the seam skin stands out by so much of the way to it at most
-constexpr double kGoesOn = 0.04;     // m, of the scan below the seam, where it is the garment: to it the body is welded
+constexpr double kGoesOnEdges = 2;   // of the scan, and what the weld takes back: so far below the seam, where it is the garment
 constexpr double kHidden = 0.06;     // m, skin so far below the seam at most is under the garment; further down it is a limb's
 constexpr double kAtSeam = 0.03;     // m, about a triangle of M, which may count as covered although the seam runs through it
 constexpr double kNearHem = 0.15;    // m, about the radius of what closes a hem in the scan ...
@@ -175,14 +175,16 @@ public:
   }
 
   /// The faces of M_high that show beside the garment, lie across the seam or just below. `valid`: where M is valid, and not
-  /// covered.
+  /// covered. The skin goes on so far that the weld is below the seam: its end, and where it is taken back to, go along
+  /// triangles, up to an edge higher each.
   std::vector<int> skin(const Mesh &high, const std::vector<std::uint8_t> &valid) const {
     std::vector<Side> sides(high.vertices.rows());
     std::vector<std::uint8_t> just_under(high.vertices.rows());
+    const double goes_on = detail::kTakenBack + kGoesOnEdges * mean_edge_length(high.vertices, high.faces);
     for (Eigen::Index v = 0; v < high.vertices.rows(); ++v) {
       const Place at = place(high.vertices.row(v));
       sides[v] = at.side;
-      just_under[v] = at.side == Side::AtSeam || (at.side == Side::Under && at.below < kGoesOn);
+      just_under[v] = at.side == Side::AtSeam || (at.side == Side::Under && at.below < goes_on);
     }
     std::vector<int> shown;
     for (int f = 0; f < high.faces.rows(); ++f) {
