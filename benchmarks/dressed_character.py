@@ -167,12 +167,13 @@ def dressed(person: Person, cuts: Sequence[Cut], ease: float, random: np.random.
 
 
 def as_scanned(person: Person, cut: Cut, ease: float, random: np.random.Generator):
-    """(vertices, faces, face_valid, clothness) of one surface, as a template has them: not valid between a hem and the skin."""
+    """(vertices, faces, face_valid, clothness) of one surface, as a template has them: not valid between a hem and the skin,
+    where it ends free."""
     faces, cover = person.faces, person.covered(cut)
     normals, wave, gap = around(person, random)
     away, clings, band = standing_off(person, cut, ease, wave, gap)
     cloth = without_crossing(d.Mesh(person.vertices, faces[cover[faces].all(axis=1)]), away, normals)
-    at_hem = cover[faces].any(axis=1) & ~cover[faces].all(axis=1)
+    at_hem = cover[faces].any(axis=1) & ~cover[faces].all(axis=1) & ~band[faces].any(axis=1)
     return np.where(cover[:, None], cloth, person.vertices), faces, ~at_hem, (cover & ~band & ~clings).astype(float)
 
 
