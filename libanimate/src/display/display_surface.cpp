@@ -180,11 +180,11 @@ public:
   std::vector<int> skin(const Mesh &high, const std::vector<std::uint8_t> &valid) const {
     std::vector<Side> sides(high.vertices.rows());
     std::vector<std::uint8_t> just_under(high.vertices.rows());
-    const double goes_on = detail::kTakenBack + kGoesOnEdges * mean_edge_length(high.vertices, high.faces);
+    const double under_seam = detail::kTakenBack + kGoesOnEdges * mean_edge_length(high.vertices, high.faces);
     for (Eigen::Index v = 0; v < high.vertices.rows(); ++v) {
       const Place at = place(high.vertices.row(v));
       sides[v] = at.side;
-      just_under[v] = at.side == Side::AtSeam || (at.side == Side::Under && at.below < goes_on);
+      just_under[v] = at.side == Side::AtSeam || (at.side == Side::Under && at.below < under_seam);
     }
     std::vector<int> shown;
     for (int f = 0; f < high.faces.rows(); ++f) {
