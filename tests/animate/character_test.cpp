@@ -228,42 +228,39 @@ TEST(Character, BodyUnderTheSkirtIsShownAndHangsOnTheThighBones) {
   }
 }
 
+/// Weights of a body of which all hangs under a garment.
+MatrixRM hidden_weights(const Mesh &garment, const Mesh &body, const Skeleton &skeleton,
+                        const std::vector<TaperedCapsule> &capsules) {
+  const Eigen::Index vertices = garment.vertices.rows();
+  RiggedMesh actor;
+  actor.mesh = garment;
+  actor.face_valid.assign(garment.faces.rows(), 1);
+  actor.weights = MatrixRM::Zero(vertices, skeleton.joint_count());
+  actor.weights.col(0).setOnes();
+  actor.skeleton = skeleton;
+  Segmentation cloth;
+  cloth.sigma = Eigen::VectorXd::Zero(vertices);
+  cloth.clothness = Eigen::VectorXd::Ones(vertices);
+  cloth.region = Eigen::VectorXi::Zero(vertices);
+  cloth.region_count = 1;
+  return transfer_weights(actor, cloth, body, capsules);
+}
+
 TEST(Character, AHiddenChestDoesNotHangOnTheArms) {
   // Its sides are nearer to the bones of the upper arms than to the spine, and well inside the capsules of the trunk.
   const Mesh dress = cylinder({0, 0.9, 0}, {0, 1.6, 0}, 0.4), chest = sphere(0.15, {0, 1.22, 0}, 12, 24);
   const Skeleton skeleton = figure_skeleton();
-  RiggedMesh actor;
-  actor.mesh = dress;
-  actor.face_valid.assign(dress.faces.rows(), 1);
-  actor.weights = figure_weights(dress.vertices, skeleton);
-  actor.skeleton = skeleton;
-  Segmentation segmentation;
-  segmentation.sigma = Eigen::VectorXd::Zero(dress.vertices.rows());
-  segmentation.clothness = Eigen::VectorXd::Ones(dress.vertices.rows());
-  segmentation.region = Eigen::VectorXi::Zero(dress.vertices.rows());
-  segmentation.region_count = 1;
   const int shoulder = skeleton.find("l_shoulder");
-  EXPECT_GT(transfer_weights(actor, segmentation, chest).col(shoulder).maxCoeff(), 0.2);
-  EXPECT_LT(transfer_weights(actor, segmentation, chest, figure_capsules(skeleton)).col(shoulder).maxCoeff(), 1e-6);
+  EXPECT_GT(hidden_weights(dress, chest, skeleton, {}).col(shoulder).maxCoeff(), 0.2);
+  EXPECT_LT(hidden_weights(dress, chest, skeleton, figure_capsules(skeleton)).col(shoulder).maxCoeff(), 1e-6);
 }
 
 TEST(Character, HiddenSkinHangsOnTheNextBoneNoFartherThanItIsThick) {
   const Mesh dress = cylinder({0, -0.1, 0}, {0, 1.1, 0}, 0.3), limb = cylinder({0, 0.02, 0}, {0, 0.98, 0}, 0.1, 40, 24);
   const Skeleton skeleton =
       make_skeleton({{"pelvis", "", {0, 0, 0}, {}}, {"spine", "pelvis", {0, 0.5, 0}, 3}, {"chest", "spine", {0, 1, 0}, {}}});
-  RiggedMesh actor;
-  actor.mesh = dress;
-  actor.face_valid.assign(dress.faces.rows(), 1);
-  actor.weights = MatrixRM::Zero(dress.vertices.rows(), 3);
-  actor.weights.col(0).setOnes();
-  actor.skeleton = skeleton;
-  Segmentation segmentation;
-  segmentation.sigma = Eigen::VectorXd::Zero(dress.vertices.rows());
-  segmentation.clothness = Eigen::VectorXd::Ones(dress.vertices.rows());
-  segmentation.region = Eigen::VectorXi::Zero(dress.vertices.rows());
-  segmentation.region_count = 1;
   const std::vector<TaperedCapsule> capsules{{0, {0, 0, 0}, {0, 0.5, 0}, 0.1, 0.1}, {1, {0, 0, 0}, {0, 0.5, 0}, 0.1, 0.1}};
-  const MatrixRM weights = transfer_weights(actor, segmentation, limb, capsules);
+  const MatrixRM weights = hidden_weights(dress, limb, skeleton, capsules);
   for (Eigen::Index v = 0; v < weights.rows(); ++v) {
     const double above = limb.vertices(v, 1) - 0.5, radius = std::hypot(limb.vertices(v, 0), limb.vertices(v, 2));
     if (radius > 0.09 && std::abs(above) > 0.1) {
