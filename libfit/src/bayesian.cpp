@@ -134,8 +134,8 @@ private:
     return {};
   }
 
-  /// Every generation goes where the minimum may be, so that several that find nothing tell that it is found. Not from the first
-  /// on, which went anywhere.
+  /// Every generation goes where the minimum may be, a look at other levels too, so that several that find nothing tell that it
+  /// is found. Not from the first on, which went anywhere.
   bool gained_nothing(std::size_t generations) const {
     const std::size_t count = answers_.size();
     if (options_.min_gain == 0 || count < generations + 2)
