@@ -95,8 +95,8 @@ SolverSettings read_solver(const Json &json, int version, const SolverSettings &
     Json merged = options::to_json<Json>(expected);
     const Json &named = json["solver"];
     merged["dt"] = named.value("dt", expected.dt);
-    merged["cloth"]["iterations"] = named.value("n_iter", expected.cloth.iterations);
-    merged["cloth"]["substeps"] = named.value("substeps", expected.cloth.substeps);
+    merged["cloth"]["iterations"] = named.value("n_iter", Json(expected.cloth.iterations));
+    merged["cloth"]["substeps"] = named.value("substeps", Json(expected.cloth.substeps));
     merged["cloth"]["stiffness"] = named.value("stiffness", "sweeps"); // there was no other
     merged["cloth"]["over_relaxation"] = 1.0;
     merged["cloth"]["edge_collision"] = false;

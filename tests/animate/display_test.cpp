@@ -350,6 +350,17 @@ TEST(BakedFile, ABroadcastRateComesBack) {
   }
 }
 
+TEST(BakedFile, AnAnimationIsNamedAfterItsFile) {
+  const TempFolder folder;
+  const Character c = figure_character();
+  const AnimationResult animation = animate(c, {40, marching(c.actor.skeleton, 3, 40)});
+  for (const auto &[file, name] : {std::pair{"slow waltz.glb", "slow waltz"}, {"caf\xc3\xa9.glb", "caf\xc3\xa9"}}) {
+    write_baked_glb(folder / file, c, animation);
+    EXPECT_EQ(read_motion_file(folder / file).animations, std::vector<std::string>{name});
+  }
+  EXPECT_NO_THROW(write_baked_glb(folder / "caf\xe9.glb", c, animation)); // Latin-1
+}
+
 TEST(BakedFile, NpzHoldsTheAnimation) {
   const TempFolder folder;
   const Character c = figure_character();

@@ -158,7 +158,8 @@ def test_pictures_are_in_their_order(character, tmp_path):
     ("flags", "said"),
     [
         (["--size", "1920"], "--size: expected WIDTHxHEIGHT such as 1920x1080, found '1920'"),
-        (["--size", "9x9"], "size: expected WIDTHxHEIGHT, 16 to 8192 px each, found 9x9"),
+        (["--size", "8x8"], "size: expected WIDTHxHEIGHT, 16 to 8192 px each, found 8x8"),
+        (["--size", "321x180"], "--size: expected even numbers, which all video players show, found '321x180'"),
         (["--camera", "orbit", "--turn-seconds", "0"], "turn_seconds: expected s above 0, found 0"),
         (["--turn-seconds", "4"], "--turn-seconds: only --camera orbit goes round"),
         (["--background", "mauvve"], "--background: expected a colour"),

@@ -245,6 +245,13 @@ void put_under_armature(glb::Writer &writer) {
     skin.skeleton = -1;
 }
 
+/// The file's name, so that several clips in one program can be told apart; any bytes are a name of a file, glTF's are UTF-8.
+std::string animation_name(const std::filesystem::path &path) {
+  using nlohmann::json;
+  const std::string valid = json(path.stem().string()).dump(-1, ' ', false, json::error_handler_t::replace);
+  return json::parse(valid).get<std::string>();
+}
+
 /// Adds the mesh with a skin of its own, for its numbers are in its steps; the weights if there are several keys.
 BakedMeshSummary add_baked(glb::Writer &writer, tinygltf::Animation &out, const Skeleton &skeleton, const Baked &baked,
                            const std::vector<int> &keys, int times, const Context &context) {
@@ -274,7 +281,7 @@ BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Charact
   glb::Writer writer;
   glb::add_joint_nodes(writer, skeleton);
   tinygltf::Animation out;
-  out.name = "animation";
+  out.name = animation_name(path);
   add_joint_channels(writer, out, skeleton, animation);
   const int times = keys.size() > 1 ? add_times(writer, keys, animation.fps) : -1;
   BakedGlbSummary summary{static_cast<int>(keys.size()), {}};

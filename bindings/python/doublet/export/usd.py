@@ -46,7 +46,8 @@ def identifiers(names: list[str]) -> list[str]:
 
 def texture_path(out: Path, character: d.Character) -> Path:
     """Where the texture of a .usdc lies: beside it, by its name."""
-    return out.with_suffix(".png" if character.texture.startswith(b"\x89PNG") else ".jpg")
+    suffix = ".png" if character.texture.startswith(b"\x89PNG") else ".jpg"
+    return out.with_name(f"{out.stem}_texture{suffix}")  # OUT.jpg may be a picture of the user's
 
 
 class Stage:
@@ -206,8 +207,8 @@ def write_usdc(
     drawn: d.TexturedFaces | None = None,
 ) -> int:
     """The animation of a motion as OUT.usdc, in metres, +Y up, a time code a frame: points of the surface and of the body under
-    it, and the skeleton. The texture lies beside it, OUT.jpg. `drawn`: faces in the place of the surface's; None or empty = its
-    own. Returns the number of frames."""
+    it, and the skeleton. The texture lies beside it, OUT_texture.jpg or .png. `drawn`: faces in the place of the surface's; None
+    or empty = its own. Returns the number of frames."""
     usd_modules()
     out, texture, options = Path(out), "", options or d.AnimateOptions()
     if len(character.texture) and len(character.high.faces) and options.high:

@@ -4,6 +4,9 @@
 
 #include "doublet/options/options.h"
 
+#include <cmath>
+#include <limits>
+
 namespace doublet::options {
 
 template <class Json, class T> Json to_json(const T &object) {
@@ -22,7 +25,8 @@ template <class Json, class T> Json to_json(const T &object) {
   return json;
 }
 
-/// Throws what `Json` throws if an option is missing or of another type, std::invalid_argument if it is out of range.
+/// Throws what `Json` throws if an option is missing or of another type, std::invalid_argument if it is out of range or a
+/// fraction where a whole number belongs.
 template <class Json, class T> void from_json(const Json &json, T &object) {
   for_each_field(object, [&](const auto &field, auto &value) {
     using Value = std::remove_cvref_t<decltype(value)>;
@@ -35,6 +39,14 @@ template <class Json, class T> void from_json(const Json &json, T &object) {
       for (int i = 0; i < static_cast<int>(value.size()); ++i)
         value[i] = json.at(field.name).at(static_cast<std::size_t>(i)).template get<double>();
     } else {
+      if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>) { // of 6.9 a JSON library makes 6
+        using Limits = std::numeric_limits<Value>;
+        const auto number = json.at(field.name).template get<double>();
+        if (!(number >= static_cast<double>(Limits::min()) && number <= static_cast<double>(Limits::max()) &&
+              number == std::floor(number)))
+          throw std::invalid_argument(std::string(T::describe().name) + ": " + field.name + ": expected a whole number, found " +
+                                      json.at(field.name).dump());
+      }
       value = json.at(field.name).template get<Value>();
     }
   });

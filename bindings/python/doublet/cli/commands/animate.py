@@ -103,4 +103,7 @@ def size_of(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
     if not found:
         raise ValueError(f"--size: expected WIDTHxHEIGHT such as 1920x1080, found '{text}'")
-    return int(found[1]), int(found[2])
+    width, height = int(found[1]), int(found[2])
+    if width % 2 or height % 2:
+        raise ValueError(f"--size: expected even numbers, which all video players show, found '{text}'")
+    return width, height
