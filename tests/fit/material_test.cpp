@@ -991,6 +991,11 @@ TEST(MaterialFiles, AreReadBack) {
   other.cloth.stiffness = pbd::Stiffness::Compliance;
   EXPECT_NE(refusal("first.json").find("cloth.stiffness: expected compliance, found sweeps"), std::string::npos);
 
+  for (const char *count : {"24.5", "2e30", "-0.5"}) { // 24.5 iterations are not 24
+    write_text(folder / "part.json", std::string(R"({"solver": {"dt": 0.025, "n_iter": )") + count + R"(}, "regions": []})");
+    EXPECT_NE(refusal("part.json").find("iterations: expected a whole number, found"), std::string::npos) << count;
+  }
+
   EXPECT_THROW(read_materials(folder / "none.json"), FileNotFound);
   for (const char *text : {"{", "[]", "{\"regions\": [{}]}", "{\"regions\": [{\"parameters\": {\"d_n\": \"much\"}}]}"}) {
     write_text(folder / "bad.json", text);
