@@ -23,6 +23,7 @@ constexpr double kAtBound = 0.01;      // of the box: closer to its bound is at 
 constexpr int kPerWidth = 16;          // samples of one width, see BayesianOptions
 constexpr int kAnswers = 4;            // for an answer: what the optimiser says, and the lowest samples
 constexpr int kRepeats = 8;            // of each, whose mean is its energy; all together fill 32 lanes
+constexpr int kBeyond = 32;            // samples beyond the ends of the intervals
 constexpr double kNowhere = 0.001;     // of the box: far below what any film tells
 constexpr double kElsewhere = 0.02;    // of the box, along some axis: another candidate
 constexpr const char *kWidth = "width";
@@ -342,6 +343,37 @@ std::vector<std::vector<AnswerCost>> answer_costs(AllTakes &objective, const Sea
   return costs;
 }
 
+/// Of what one search of one region has found. noise: of its answer's energy, 0 if that is not known yet.
+Posterior posterior_of(const MinimiseResult &found, int part, double noise, const FitOptions &options, const Searched &searched) {
+  PosteriorOptions posterior;
+  posterior.noise = noise;
+  posterior.levels = searched.widths;
+  posterior.seed = options.seed + static_cast<std::uint64_t>(part); // as the search
+  return posterior_of(found.samples[part], found.energies[part], posterior);
+}
+
+/// Adds samples beyond the ends of the intervals to what every search has found: the search looked where energies are low, not
+/// where its error bars end.
+void look_beyond_intervals(Searches &searches, MinimiseResult &found, const FitOptions &options, const Searched &searched,
+                           const Context &context) {
+  const int n = searched.size();
+  MatrixRM samples(kBeyond, static_cast<Eigen::Index>(n) * searches.part_count());
+  for (int part = 0; part < searches.part_count(); ++part) {
+    const Posterior posterior = posterior_of(found, part, 0, options, searched);
+    samples.middleCols(part * n, n) =
+        beyond_intervals(posterior, in_box(found.parts[part].answer), searched.space.size(), kBeyond);
+  }
+  const MatrixRM energies = searches.evaluate(samples, context);
+  for (int part = 0; part < searches.part_count(); ++part) {
+    MatrixRM &all = found.samples[part];
+    Eigen::VectorXd &costs = found.energies[part];
+    all.conservativeResize(all.rows() + kBeyond, Eigen::NoChange);
+    all.bottomRows(kBeyond) = samples.middleCols(part * n, n);
+    costs.conservativeResize(all.rows());
+    costs.tail(kBeyond) = energies.col(part);
+  }
+}
+
 /// The answer of the search of lowest energy. chosen: which.
 RegionFit final_region(const MinimiseResult &found, const Searches &searches, int r,
                        const std::vector<std::vector<AnswerCost>> &costs, const FitOptions &options, const Searched &searched,
@@ -366,11 +398,7 @@ RegionFit final_region(const MinimiseResult &found, const Searches &searches, in
   if (searches.count() > 1)
     region.answer_half_range = (answers.colwise().maxCoeff() - answers.colwise().minCoeff()).transpose() / 2;
   if (found.energies[part].size() > 1) {
-    PosteriorOptions posterior;
-    posterior.noise = cost.noise;
-    posterior.levels = searched.widths;
-    posterior.seed = options.seed;
-    region.posterior = posterior_of(found.samples[part], found.energies[part], posterior);
+    region.posterior = posterior_of(found, part, cost.noise, options, searched);
     MatrixRM &interval = region.posterior.interval; // the answer is likely, whatever the process says
     interval.col(0) = interval.col(0).cwiseMin(region.answer);
     interval.col(1) = interval.col(1).cwiseMax(region.answer);
@@ -561,7 +589,9 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
       context.log_line("fit: no feature matches: E_fit is without their term");
   Searches searches(objective, options.seeds);
   const FitResult frame = result; // what every interrupted result has
-  const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, searched, frame), context);
+  MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, searched, frame), context);
+  if (found.energies[0].size() > 1)
+    look_beyond_intervals(searches, found, options, searched, context);
   const auto costs = answer_costs(objective, searches, found, searched, context);
   result.seconds = found.seconds;
   std::vector<int> chosen(objective.part_count());

@@ -147,4 +147,30 @@ Posterior posterior_of(const MatrixRM &samples, const Eigen::VectorXd &energies,
   return result;
 }
 
+MatrixRM beyond_intervals(const Posterior &posterior, const Eigen::VectorXd &answer, int axes, int count) {
+  require(answer.size() == posterior.draws.cols() && axes >= 0 && axes <= answer.size() && count >= 0 &&
+              count <= posterior.draws.rows(),
+          "beyond_intervals: expected an answer of " + std::to_string(posterior.draws.cols()) +
+              " numbers, at most as many axes, and at most " + std::to_string(posterior.draws.rows()) + " samples, found " +
+              std::to_string(answer.size()) + ", " + std::to_string(axes) + " and " + std::to_string(count));
+  struct Move {
+    double way; // from the end of the interval to the bound
+    bool answer;
+  };
+  constexpr Move kMoves[] = {{1.0 / 3, true}, {1, false}, {1, true}, {1.0 / 3, false}};
+  MatrixRM samples = posterior.draws.topRows(count);
+  Eigen::Index row = 0;
+  for (const Move &move : kMoves)
+    for (int axis = 0; axis < axes; ++axis)
+      for (int bound : {0, 1}) {
+        const double end = posterior.interval(axis, bound);
+        if (std::fabs(bound - end) < kAtBound || row == count)
+          continue;
+        if (move.answer)
+          samples.row(row) = answer.transpose();
+        samples(row++, axis) = end + move.way * (bound - end);
+      }
+  return samples;
+}
+
 } // namespace doublet

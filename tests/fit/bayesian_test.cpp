@@ -295,5 +295,67 @@ TEST(Posterior, LevelsAreDrawnAsOftenAsTheyAreLikely) {
   EXPECT_NEAR(lowest, 1 / (1 + std::exp(-0.5) + std::exp(-2.0)), 0.08);
 }
 
+/// Where the energy is low it is the same for all of the second coordinate below 0.6, but the search has looked only above 0.4;
+/// from elsewhere the process knows that the coordinate may count.
+TEST(Posterior, IntervalsReachWhereTheSearchHadNoReasonToLook) {
+  const auto low = [](const auto &x) { return std::fabs(x[0] - 0.5) < 0.25; };
+  const auto energy = [&](const auto &x) {
+    const double above = std::max(0.0, x[1] - 0.6);
+    return 10 + 300 * std::pow(x[0] - 0.5, 2) + 200 * above * above + (low(x) ? 0 : 10 * std::sin(9 * x[1]));
+  };
+  MatrixRM samples(0, 2);
+  const auto add = [&](const auto &sample) {
+    samples.conservativeResize(samples.rows() + 1, 2);
+    samples.bottomRows(1) = sample;
+  };
+  const MatrixRM everywhere = even_points(120, 2);
+  for (const auto &sample : everywhere.rowwise())
+    if (!low(sample) || sample[1] > 0.4)
+      add(sample);
+  PosteriorOptions options;
+  options.noise = 0.5;
+  const auto posterior = [&] {
+    Eigen::VectorXd energies(samples.rows());
+    for (Eigen::Index i = 0; i < samples.rows(); ++i)
+      energies[i] = energy(samples.row(i));
+    return posterior_of(samples, energies, options);
+  };
+  const Posterior before = posterior();
+  EXPECT_GT(before.interval(1, 0), 0.2);
+
+  const MatrixRM beyond = beyond_intervals(before, Eigen::Vector2d(0.5, 0.55), 2, 16);
+  for (const auto &sample : beyond.rowwise())
+    add(sample);
+  const Posterior after = posterior();
+  EXPECT_LT(after.interval(1, 0), 0.1);
+  EXPECT_GT(after.interval(1, 1), 0.5);
+  EXPECT_GT(after.interval(0, 0), 0.35); // what does count is known as well as it was
+  EXPECT_LT(after.interval(0, 1), 0.65);
+}
+
+TEST(Posterior, SamplesBeyondIntervalsMoveOneCoordinateOutwards) {
+  Posterior posterior;
+  posterior.draws = even_points(40, 3);
+  posterior.interval.resize(3, 2);
+  posterior.interval << 0.3, 0.6, 0, 0.9, 0.2, 0.8;
+  const Eigen::Vector3d answer(0.4, 0.5, 0.5);
+  const MatrixRM samples = beyond_intervals(posterior, answer, 2, 20);
+  const double expected[][2] = {{0, 0.2}, {0, 0.6 + 0.4 / 3}, {1, 0.9 + 0.1 / 3}}; // axis, value; the lower end of axis 1 is at 0
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Vector3d moved = answer;
+    moved[static_cast<int>(expected[i][0])] = expected[i][1];
+    EXPECT_NEAR((samples.row(i).transpose() - moved).norm(), 0, 1e-12) << i;
+  }
+  EXPECT_EQ(samples(3, 0), 0); // draws, all the way
+  EXPECT_EQ(samples(4, 0), 1);
+  EXPECT_EQ(samples(5, 1), 1);
+  EXPECT_EQ(samples.row(3).tail(2), posterior.draws.row(3).tail(2));
+  EXPECT_EQ(samples.bottomRows(8), posterior.draws.middleRows(12, 8)); // nothing is left beyond
+  EXPECT_TRUE((samples.array() >= 0 && samples.array() <= 1).all());
+  EXPECT_THROW(beyond_intervals(posterior, answer, 2, 41), std::invalid_argument);
+  EXPECT_THROW(beyond_intervals(posterior, answer, 4, 20), std::invalid_argument);
+  EXPECT_THROW(beyond_intervals(posterior, answer.head(2), 2, 20), std::invalid_argument);
+}
+
 } // namespace
 } // namespace doublet

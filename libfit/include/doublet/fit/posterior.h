@@ -29,4 +29,11 @@ struct PosteriorOptions {
 /// options beyond [0, 1000] levels and [1, 100000] draws.
 Posterior posterior_of(const MatrixRM &samples, const Eigen::VectorXd &energies, const PosteriorOptions &options = {});
 
+/// (count, n) box units: samples for which the posterior has to be asked before its intervals are believed. Where a search has no
+/// reason to look, the process has nothing to go by and takes the energy for as high as elsewhere in the box, so that an interval
+/// ends where the samples do. The answer and draws, moved along one of the first `axes` coordinates beyond the end of its
+/// interval, a third of the way to the bound of the box and all of it; then draws as they are. answer (n). Throws
+/// std::invalid_argument for an answer of another size, more axes than coordinates, or more samples than draws.
+MatrixRM beyond_intervals(const Posterior &posterior, const Eigen::VectorXd &answer, int axes, int count);
+
 } // namespace doublet
