@@ -141,6 +141,11 @@ def test_a_flag_sets_its_option(group, name):
     assert others(chosen, name) == others(default, name)
 
 
+def test_the_help_names_a_switch_as_the_pages_do():
+    text = option_flags.describe_option(d.GarmentOptions.described()["remesh"], d.GarmentOptions().remesh)
+    assert text.endswith("(default: on)")
+
+
 def test_groups_inside_groups_take_the_groups_options(tmp_path):
     """`annealing` reaches the search for lost limbs inside the capture."""
     job = reconstruct.Job(tmp_path, tmp_path)

@@ -30,17 +30,17 @@ def whole(least: int, most: int) -> Callable[[str], int]:
 
 
 def common_flags(parser: argparse.ArgumentParser) -> None:
-    text = "worker threads, 0 = one a core; results do not depend on it"
+    text = "number of threads, 0 = one per core; results do not depend on it"
     parser.add_argument("--threads", type=whole(0, MOST_NUMBER), default=0, metavar="N", help=text)
-    parser.add_argument("--seed", type=whole(0, MOST_SEED), default=1, metavar="N", help="of every random choice (default: 1)")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
-    parser.add_argument("--verbose", action="store_true", help="show what the stages say, not only their progress")
+    parser.add_argument("--seed", type=whole(0, MOST_SEED), default=1, metavar="N", help="seed of random numbers (default: 1)")
+    parser.add_argument("--quiet", action="store_true", help="show no progress")
+    parser.add_argument("--verbose", action="store_true", help="show the log of the stages, not only their progress")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
 
 def clip_flags(command: argparse.ArgumentParser) -> None:
     """How a MOTION is read."""
-    text = "which joint of the motion plays which of ours, from a TOML file; --retarget-joint-names beats it"
+    text = "TOML file: our joint = joint of the motion; --retarget-joint-names takes precedence"
     command.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
     text = "which of the animations in a MOTION.glb: name, or number from 1 (default: the first that moves the body)"
     command.add_argument("--animation", default="", metavar="NAME", help=text)
@@ -54,7 +54,7 @@ def clip_options(arguments: argparse.Namespace, has_motion: bool = True) -> tupl
 
 
 def page_flags(command) -> None:
-    text = "of the page on this machine (default: any free one)"
+    text = "port of the page on this machine (default: any free one)"
     command.add_argument("--port", type=whole(0, 65535), default=0, metavar="N", help=text)
     command.add_argument("--no-browser", dest="browser", action="store_false", help="only print the address")
     command.add_argument("--debug", action="store_true", help="show the traceback of an error")

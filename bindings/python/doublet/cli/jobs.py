@@ -10,9 +10,9 @@ from .option_flags import add_option_flags, chosen_options
 
 
 def add_stage_flags(parser, groups, with_body_model: bool) -> None:
-    parser.add_argument("--force", action="store_true", help="run even if up to date, and overwrite files made elsewhere")
-    parser.add_argument("--keep-going", action="store_true", help="go on with a result that cannot be true")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="options from a TOML file; flags beat it")
+    parser.add_argument("--force", action="store_true", help="run even if up to date, and overwrite files of other programs")
+    parser.add_argument("--keep-going", action="store_true", help="continue after a result that is judged impossible")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="TOML file of options; flags take precedence")
     if with_body_model:
         parser.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(parser)

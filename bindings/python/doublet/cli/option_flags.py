@@ -51,7 +51,7 @@ def to_text(value) -> str:
         value = [f"{name}={x}" for name, x in plain(value).items()]
     if isinstance(value, (list, np.ndarray)):
         return " ".join(str(v) for v in value) or "none"
-    return str(value)
+    return str(value) if not isinstance(value, bool) else "on" if value else "off"
 
 
 def chosen_options(arguments: argparse.Namespace, groups=OPTION_GROUPS) -> dict:

@@ -26,22 +26,22 @@ def register(commands) -> None:
     command.add_argument("motion", type=Path, metavar="MOTION", help=MOTION_HELP)
     text = ".npz, .glb, .usdc, .mp4, _vat.png (vertex animation texture), or .bvh of the skeleton alone"
     command.add_argument("-o", "--out", type=Path, metavar="OUT", help=text)
-    text = "write which joint of the motion plays which of ours, and how that was guessed, for --bone-map, and run nothing"
+    text = "write the joints of the motion that match ours, and how each was found, to a file for --bone-map; run nothing"
     command.add_argument("--write-bone-map", type=Path, metavar="FILE", help=text)
     clip_flags(command)
-    text = "of the joints in a .bvh or .glb: Unreal's mannequin, Unity's humanoid and VRM (default: the character's own)"
+    text = "names of the joints in a .bvh or .glb: Unreal's mannequin, Unity's humanoid and VRM (default: the character's own)"
     command.add_argument("--bone-names", choices=SCHEMES, default="", help=text)
     text = "begin over the world's origin (default: where the actor stood in the scan)"
     command.add_argument("--centre", action="store_true", help=text)
-    text = "draw the display surface with about N triangles; not in a .bvh (default: all it has)"
+    text = "draw the display surface with about N triangles; not in a .bvh (default: all)"
     command.add_argument("--lod", type=int, default=0, metavar="N", help=text)
-    text = "of an .mp4, px (default: 720x720)"
+    text = "size of an .mp4, px (default: 720x720)"
     command.add_argument("--size", metavar="WIDTHxHEIGHT", help=text)
-    text = "of an .mp4: stands still, goes along, goes along and round; auto stands still if it all fits (default: auto)"
+    text = "of an .mp4: front stands still, follow goes along, orbit also goes round; auto: front or follow (default: auto)"
     command.add_argument("--camera", choices=CAMERAS, help=text)
-    text = "s, in which --camera orbit goes round once (default: 8)"
+    text = "time in which --camera orbit goes round once, s (default: 8)"
     command.add_argument("--turn-seconds", type=float, metavar="X", help=text)
-    command.add_argument("--background", metavar="COLOUR", help="of an .mp4: '#203040', 'white' (default: a light grey)")
+    command.add_argument("--background", metavar="COLOUR", help="of an .mp4: '#203040', 'white' (default: light grey)")
     common_flags(command)
     add_option_flags(command, ANIMATE_GROUPS)
     command.usage = (

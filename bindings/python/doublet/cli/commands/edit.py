@@ -17,11 +17,11 @@ PAGES = (
     ),
     (
         "edit-template", "paint the template's invalid triangles in a browser",
-        "OUT", "folder of the results so far, with a template", edit_template,
+        "OUT", "folder of results, with a template", edit_template,
     ),
     (
         "edit-segmentation", "paint cloth, skin and borders between garments in a browser",
-        "OUT", "folder of the results so far, with a segmentation", edit_segmentation,
+        "OUT", "folder of results, with a segmentation", edit_segmentation,
     ),
 )  # fmt: skip
 

@@ -12,19 +12,19 @@ EDITS = ("material", "material_file", "texture", "body_colour", "underwear", "na
 
 
 def register(commands) -> None:
-    text = "a character in another material, texture or skin colour"
+    text = "changes the material, texture or skin colour of a character"
     command = commands.add_parser("edit-character", help=text, description=text)
     command.add_argument("character", type=Path, metavar="CHARACTER.glb")
     command.add_argument("-o", "--out", type=Path, metavar="OUT.glb", help="the new character")
     flag = command.add_argument
-    flag("--material", nargs="+", default=[], metavar="NAME=X", help="of every cloth region, or of --region: k_bend=0.4 d_n=3")
-    flag("--material-file", type=Path, metavar="FILE", help="a material.json, of a fit or as the page of `doublet view` saves it")
+    flag("--material", nargs="+", default=[], metavar="NAME=X", help="of all cloth, or of --region: k_bend=0.4 d_n=3")
+    flag("--material-file", type=Path, metavar="FILE", help="a material.json of a fit or of the page of `doublet view`")
     flag("--region", type=int, metavar="N", help="the cloth region that --material is for, from 0 (default: all)")
-    flag("--texture", type=Path, metavar="FILE", help="another picture, PNG or JPEG, laid out as the character's own")
-    flag("--write-texture", type=Path, metavar="FILE", help="write the character's own, to be painted on")
-    flag("--body-colour", metavar="COLOUR", help="of the skin under the garment: '#c08060', 'sienna'")
-    flag("--underwear", metavar="COLOUR", help="something plain under the garment, down to the middle of the thighs")
-    flag("--name", help="of the character in the file")
+    flag("--texture", type=Path, metavar="FILE", help="another texture, PNG or JPEG, in the layout of the character's own")
+    flag("--write-texture", type=Path, metavar="FILE", help="write the character's own texture, to paint on")
+    flag("--body-colour", metavar="COLOUR", help="colour of the skin under the garment: '#c08060', 'sienna'")
+    flag("--underwear", metavar="COLOUR", help="colour of plain underwear on the hidden body, down to the middle of the thighs")
+    flag("--name", help="name of the character in the file")
     flag("--debug", action="store_true", help="show the traceback of an error")
     command.set_defaults(run=run, usage_error=command.error)
 

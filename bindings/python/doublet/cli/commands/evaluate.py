@@ -17,10 +17,10 @@ def register(commands) -> None:
     text = "errors of a reconstruction against a ground truth"
     command = commands.add_parser("evaluate", help=text, description=text)
     command.add_argument("out", type=Path, metavar="OUT", help="folder of the results")
-    command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
-    command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
+    command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="the session's ground_truth folder")
+    command.add_argument("--session", type=Path, metavar="DIR", help="session (default: the one OUT was made from)")
     command.add_argument("--every", type=int, default=1, metavar="N", help="measure every n-th frame (default: all)")
-    text = "also how true and simulated garment move: speed, lag, fast motion, folds; every frame"
+    text = "also compare how the true and the simulated garment move in all frames: speed, lag, fast motion, folds"
     command.add_argument("--motion", action="store_true", help=text)
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")
     common_flags(command)

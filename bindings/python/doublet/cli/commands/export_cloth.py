@@ -15,11 +15,11 @@ def register(commands) -> None:
     text = "the garment for other solvers: rest mesh, masses, stiffness in N/m, attachment, capsules, as JSON and USD"
     command = commands.add_parser("export-cloth", help=text, description=text)
     command.add_argument("character", type=Path, metavar="CHARACTER.glb")
-    command.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="gets cloth.json, cloth.usda")
-    help_text = f"a motion.json, too: joints, attachment and our own simulation in every frame; {MOTION_HELP}"
+    command.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="folder for cloth.json and cloth.usda")
+    help_text = f"also write motion.json: joints, attachment and our own simulation in every frame of {MOTION_HELP}"
     command.add_argument("--motion", type=Path, metavar="MOTION", help=help_text)
     clip_flags(command)
-    help_text = f"kg/m^2 of the cloth, which no film tells; stiffnesses grow with it (default: {AREAL_DENSITY})"
+    help_text = f"kg/m^2 of the cloth, which videos do not show; stiffnesses are proportional to it (default: {AREAL_DENSITY})"
     command.add_argument("--areal-density", type=float, default=AREAL_DENSITY, metavar="X", help=help_text)
     common_flags(command)
     add_option_flags(command, {"retarget": d.RetargetOptions})

@@ -33,7 +33,7 @@ def register(commands) -> None:
     flag = command.add_argument
     flag("input", type=Path, metavar="INPUT", help="file, or the folder that the program writes")
     out = Path("calibration.yml")
-    flag("-o", "--out", type=Path, default=out, metavar="FILE", help=f"of the session (default: {out})")
+    flag("-o", "--out", type=Path, default=out, metavar="FILE", help=f"file to write (default: {out})")
     calibration_flags(command)
     flag("--debug", action="store_true", help="show the traceback of an error")
     command.set_defaults(run=run)
@@ -50,7 +50,7 @@ def calibration_flags(parser) -> None:
         default="found",
         help=f"{says['up']['meaning']} (default); a negative one as --up=-y",
     )
-    flag("--image-size", type=image_size, metavar="WxH", help="px, of all images, where the format has none")
+    flag("--image-size", type=image_size, metavar="WxH", help="size of all images, px, for formats that do not have it")
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -34,7 +34,7 @@ def offset(text: str) -> tuple[str, float]:
 
 
 def register(commands) -> None:
-    text = "videos and a calibration -> a session folder: matched, synchronised, upright"
+    text = "videos and a calibration -> a session folder: cameras matched, synchronised, +Y up"
     command = commands.add_parser("new-session", help=text, description=text, intermixed=True)
     command.usage = (
         "doublet new-session VIDEO ... --calibration FILE -o SESSION [options]\n"
@@ -48,32 +48,32 @@ def register(commands) -> None:
         metavar="VIDEO",
         help="a video or a folder of images for each camera, or one folder of them",
     )
-    flag("--calibration", type=Path, metavar="FILE", help="any that import-calibration reads")
-    text = "where there is no calibration: the person's keypoints for each camera, from which it is made"
+    flag("--calibration", type=Path, metavar="FILE", help="any file or folder that import-calibration reads")
+    text = "instead of --calibration: the person's keypoints for each camera, from which the cameras are calibrated"
     flag("--calibrate", type=Path, metavar="KEYPOINTS", help=text)
-    text = "of the person for each camera: tracking goes by them, too (with --calibrate: those)"
+    text = "the person's keypoints for each camera, for scan and tracking (default: those of --calibrate)"
     flag("--keypoints", type=Path, metavar="KEYPOINTS", help=text)
     flag("--height", type=float, metavar="M", help=f"with --calibrate: how tall the person is (default: {HEIGHT})")
-    text = "with --calibrate: across the larger side of the images, where it is known (default: what the files say, or found)"
+    text = "with --calibrate: angle across the larger side of the images (default: from the files, else estimated)"
     flag("--field-of-view", type=float, metavar="DEGREES", help=text)
     flag("-o", "--out", type=Path, required=True, metavar="SESSION", help="the new folder")
     many = {"nargs": "+", "action": "extend", "default": []}
-    text = "which file is this camera's, where the names do not tell"
+    text = "the file of a camera, where names do not match"
     flag("--camera", type=pair, metavar="NAME=FILE", help=text, **many)
     flag("--without", metavar="NAME", help="calibrated cameras to leave out", **many)
     flag("--sync", choices=("auto", "none", "sound", "silhouettes"), default="auto", help="how offsets are found (default: auto)")
-    flag("--offset", type=offset, metavar="CAMERA=SECONDS", help="by which it begins after the others; wins over --sync", **many)
+    flag("--offset", type=offset, metavar="CAMERA=SECONDS", help="delay of a camera; overrides --sync", **many)
     flag("--fps", type=float, metavar="X", help="common frame rate (default: the lowest)")
-    flag("--start", type=float, default=0.0, metavar="SECONDS", help="after the last camera has begun (default: 0)")
-    flag("--frames", type=int, metavar="N", help="default: as long as all cameras film")
+    flag("--start", type=float, default=0.0, metavar="SECONDS", help="begin so long after the last camera (default: 0)")
+    flag("--frames", type=int, metavar="N", help="number of frames (default: as long as all cameras film)")
     flag("--masks", type=Path, metavar="PATH", help="ready silhouettes: videos, folders of images, or one folder of them", **many)
     flag("--background", type=Path, metavar="PATH", help="clean plates: an image or a video for each camera, or a folder", **many)
     flag("--scan", type=Path, metavar="FILE", help="scan of the dressed actor, if there is one")
     flag("--joints", type=Path, metavar="FILE", help="its joints.json, if there is one")
-    flag("--name", default="", metavar="TEXT", help="of the session (default: that of the folder)")
-    flag("--scale-calibration", action="store_true", help="where a video was squeezed: scale each axis by itself")
+    flag("--name", default="", metavar="TEXT", help="name of the session (default: that of the folder)")
+    flag("--scale-calibration", action="store_true", help="for squeezed videos: scale the calibration by a factor for each axis")
     flag("--copy", action="store_true", help="copy videos that need no change (default: hard links where the disk allows them)")
-    flag("--force", action="store_true", help="put it in the place of the session that is there")
+    flag("--force", action="store_true", help="replace an existing session")
     calibration_flags(command)
     common_flags(command)
     command.set_defaults(run=run, when_stopped="nothing was written")

@@ -20,7 +20,7 @@ def register(commands) -> None:
     text = "a capture session -> an animatable character and a report"
     command = commands.add_parser("reconstruct", help=text, description=text)
     command.add_argument("session", type=Path, nargs="?", metavar="SESSION", help="folder with session.json")
-    command.add_argument("-o", "--out", type=Path, metavar="OUT", help="folder of the results; an earlier run goes on")
+    command.add_argument("-o", "--out", type=Path, metavar="OUT", help="folder of the results; a stopped run is continued")
     text = "write every option with its value, unit and bounds to a file for --config, and run nothing"
     command.add_argument("--write-config", type=Path, metavar="FILE", help=text)
     add_stage_flags(command, OPTION_GROUPS, with_body_model=True)

@@ -19,36 +19,36 @@ def frame_or_best(text: str) -> int | str:
 
 
 def register(commands) -> None:
-    text = "scan and joints of a session that has none, from its cameras"
+    text = "makes scan and joints of a session that has none, from its videos"
     scan = commands.add_parser("scan", help=text, description=text)
     scan.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json; gets scan.ply and joints.json")
-    scan.add_argument("--force", action="store_true", help="make them anew, and overwrite files made elsewhere")
+    scan.add_argument("--force", action="store_true", help="make both anew, and overwrite files of other programs")
     scan.add_argument(
         "--frame",
         type=frame_or_best,
         metavar="N",
-        help="frame in which the person stands upright, arms and legs apart, or 'best': found; tracking then starts there "
-        "(default: 0, or the best one where nobody stands in that)",
+        help="number of a frame in which the person stands upright, arms and legs apart, or 'best' to search for one; "
+        "tracking starts there (default: 0, or best if nobody stands in frame 0)",
     )
     scan.add_argument(
         "--keypoints",
         type=Path,
         metavar="FOLDER",
         help="joints in the images, of OpenPose, RTMPose, AlphaPose, YOLO or MediaPipe: a file or a folder of them for each "
-        "camera; the session keeps them, and tracking goes by them, too",
+        "camera; the session keeps them, and tracking uses them, too",
     )
     scan.add_argument(
         "--given",
         type=Path,
         metavar="FILE",
-        help="a scan in the pose of the frame, in m, cm, mm or inches, any axis up, with its floor: brought to what the "
-        "cameras see",
+        help="a scan in the pose of the frame (in m, cm, mm or inches, any axis up, with or without floor), which is moved to "
+        "where the cameras see the person",
     )
     scan.add_argument(
         "--refine",
         type=Path,
         metavar="OUT",
-        help="correct the scan by what was tracked with it: a folder of reconstruct, which is then to be run again",
+        help="correct the scan with the tracked frames of OUT, a folder of reconstruct; then run reconstruct again",
     )
     scan.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(scan)

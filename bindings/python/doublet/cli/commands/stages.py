@@ -10,15 +10,15 @@ from ..jobs import add_stage_flags, exit_status, make_job
 
 #: Command -> (stages it runs, what it does).
 STAGE_COMMANDS = {
-    "check": (("check",), "whether a session can be true: scan, joints, calibration, silhouettes; with a picture"),
-    "template": (("template", "rig"), "scan and marked joints -> rigged template"),
+    "check": (("check",), "plausibility check of a session: scan, joints, calibration, silhouettes -> check.png"),
+    "template": (("template", "rig"), "scan and marked joints -> template with skeleton and skin weights"),
     "capture": (("check", "template", "rig", "performance"), "scan and videos -> rigged template and reference performance"),
-    "segment": (("segment",), "reference performance -> clothness of every vertex"),
-    "body": (("body",), "dressed template -> body underneath and collision proxies"),
-    "garment": (("garment",), "clothness and reference performance -> the garment's own mesh"),
-    "fit": (("fit",), "performance and its images -> material of the cloth"),
-    "character": (("character",), "everything so far -> character.glb and the re-animated performance"),
-    "report": (("report",), "everything so far -> report.html"),
+    "segment": (("segment",), "reference performance -> what is cloth: clothness and probability of every vertex"),
+    "body": (("body",), "template and segmentation -> body under the clothes, and collision proxies"),
+    "garment": (("garment",), "segmentation, body and reference performance -> the garment's own mesh"),
+    "fit": (("fit",), "reference performance and what its images show -> material of the cloth"),
+    "character": (("character",), "results of all stages -> character.glb, and the reference performance simulated with it"),
+    "report": (("report",), "results of all stages -> report.html"),
 }
 
 
@@ -29,11 +29,11 @@ def register(commands) -> None:
             command.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json")
             command.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results")
         else:
-            command.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far")
+            command.add_argument("out", type=Path, metavar="OUT", help="folder of the results of the earlier stages")
             if name == "fit":
-                more = "more takes of the same garment: one material and one width are found that explain all of them together"
+                more = "more takes of the same garment, which get one material and one width together"
                 command.add_argument("takes", type=Path, nargs="*", default=[], metavar="OUT", help=more)
-            command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
+            command.add_argument("--session", type=Path, metavar="DIR", help="session (default: the one OUT was made from)")
         used = {group for stage in STAGES if stage.name in stages for group in stage.option_groups}
         groups = {group: c for group, c in OPTION_GROUPS.items() if group in used}
         add_stage_flags(command, groups, with_body_model=name in ("segment", "body"))

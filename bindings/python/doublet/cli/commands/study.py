@@ -17,15 +17,15 @@ def register(commands) -> None:
     command = commands.add_parser("study", help=text, description=text, intermixed=True)
     command.add_argument("outs", type=Path, nargs="+", metavar="OUT", help="reconstructions up to stage 'garment'")
     command.add_argument(
-        "-o", "--results", type=Path, required=True, metavar="FILE.jsonl", help="one line a fit; goes on with it"
+        "-o", "--results", type=Path, required=True, metavar="FILE.jsonl", help="one line per fit; finished ones are kept"
     )
     command.add_argument(
-        "--seeds", type=whole(0, MOST_SEED), nargs="+", default=[1], metavar="N", help="of each fit (default: 1)"
+        "--seeds", type=whole(0, MOST_SEED), nargs="+", default=[1], metavar="N", help="seeds; one fit for each (default: 1)"
     )
     text = "processes on this machine (default: 1)"
     command.add_argument("--workers", type=whole(1, MOST_NUMBER), default=1, metavar="N", help=text)
     command.add_argument("--dask", metavar="ADDRESS", help="a Dask scheduler to use instead, e.g. tcp://host:8786")
-    command.add_argument("--quiet", action="store_true", help="no progress")
+    command.add_argument("--quiet", action="store_true", help="show no progress")
     command.add_argument("--debug", action="store_true", help="show the traceback of an error")
     add_option_flags(command, {g: OPTION_GROUPS[g] for g in ("cloth", "energy", "fit", "space")})
     command.set_defaults(run=run)

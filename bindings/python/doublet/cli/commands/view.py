@@ -11,14 +11,14 @@ from ..option_flags import add_option_flags, chosen_options
 
 
 def register(commands) -> None:
-    text = "a page on which a character dances, its cloth simulated in the browser, with sliders for its material"
+    text = "a web page on which a character dances; the browser simulates its cloth, with sliders for the material"
     view = commands.add_parser("view", help=text, description=text)
     view.add_argument("character", type=Path, metavar="CHARACTER.glb")
-    clips = f"to dance to, any number of them; {MOTION_HELP} (default: it turns to and fro)"
+    clips = f"one or more motions: {MOTION_HELP} (default: the character turns to and fro)"
     view.add_argument("--clip", type=Path, nargs="+", default=[], metavar="MOTION", help=clips)
     clip_flags(view)
     view.add_argument("--compare", type=Path, metavar="OTHER.glb", help="a second character, beside it")
-    view.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="gets index.html, to be opened as it lies")
+    view.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="folder of the page; open its index.html")
     common_flags(view)
     add_option_flags(view, {"retarget": d.RetargetOptions})
     view.set_defaults(run=run)
