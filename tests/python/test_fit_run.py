@@ -110,7 +110,7 @@ def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_pa
     assert low <= region["parameters"]["k_stretch"] <= high and region["confidence"]["k_stretch"] != "low"
     assert region["confidence"]["k_friction"] == "low"  # the bell touches nothing
     page = (out / "fit_progress.html").read_text()
-    assert re.search("film tells [^.]*stretching", page)
+    assert re.search("Well determined: [^.]*stretching", page)
     assert page.count("<svg") == 3 and "refresh" not in page
     assert any(finding["parameter"] == "k_friction" and finding["kind"] == "guess" for finding in region["findings"])
     assert page.count("Doubtful: k_friction = ") == 1
@@ -169,9 +169,9 @@ def test_words_follow_the_confidence():
 
     assert describe_confidence({}) == []
     (line,) = describe_confidence(region(d_n="high", d_t="high", k_bend="high"))
-    assert line == "The film tells drag along the normal, drag along the surface and bending."
+    assert line == "Well determined: drag along the normal, drag along the surface, bending."
     high, medium = describe_confidence(region(d_n="high", k_bend="medium", k_friction="low"))
-    assert high == "The film tells drag along the normal." and medium.startswith("It tells something about bending")
+    assert (high, medium) == ("Well determined: drag along the normal.", "Partly determined: bending.")
     assert describe_confidence(region(k_friction="low")) == []  # the findings say it
 
 

@@ -40,7 +40,7 @@ def test_a_good_reconstruction_is_called_good(tmp_path):
     text = words(report.verdict(Shown(tmp_path, {"body": {"residual_mm": 1.5}, "performance": {"frames_lost": {}}})))
     assert "nothing doubtful was found" in text and "Doubtful" not in text and "To do" not in text
     assert "mean distance of the skin to the body, mm: 1.5 (expected at most 20)" in text
-    assert "simulated character overlaps the silhouettes by 0.850 on average" in text and "least in frame 8 (0.800)" in text
+    assert "simulated character has a silhouette IoU of 0.850 on average" in text and "least in frame 8 (0.800)" in text
 
 
 def test_numbers_do_not_count_for_a_file_that_was_made_elsewhere(tmp_path):
@@ -61,7 +61,7 @@ def test_doubts_are_counted_and_say_what_to_do(tmp_path):
     for doubt in ("found 30", "l_ankle was lost in 7 frames", "d_t = 0.18 is a guess", "d_n = 32 lies at the upper bound"):
         assert doubt in text.replace("&#x27;", "'"), doubt
     assert "Good:" not in text  # the only number that was measured is not
-    for advice in ("The box holds ordinary cloth", "--space-fixed", "frames of the lost joint"):
+    for advice in ("The box contains all ordinary cloth", "--space-fixed", "frames of the lost joint"):
         assert text.count(advice) == 1
     assert "1 thing in it is doubtful" in words(report.verdict(Shown(tmp_path, {}, [BOUND])))
 
@@ -147,7 +147,7 @@ def test_plots_have_units_and_sentences_their_numbers(followed):
     for label in ("of 1", "captured cloth, cm", "frame of the video, 40 a second"):
         assert label in text, label  # matplotlib writes the letters as paths, and the text in a comment
     mean = followed.track.simulated.mean()
-    assert f"simulated character overlaps the silhouettes by {mean:.3f} on average" in text
+    assert f"simulated character has a silhouette IoU of {mean:.3f} on average" in text
     assert re.search(r"RMS over all frames, most in frame (1\d|2\d) \(3.0 cm\)", text)
     log = [{"region": "0", "evaluations": "8", "best": "9", "generation_best": "9", "mean_d_n": "3", "deviation_d_n": "0.1"}]
     assert "d_n, 1/m" in fit_page.parameter_plot(log, ["d_n"]) and "E_fit, px²" in fit_page.energy_plot(log)

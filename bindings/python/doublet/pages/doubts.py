@@ -10,13 +10,13 @@ from ..common.files import read_json
 
 #: Kind of doubt -> what to do about it; those of quality_limits() bring their own advice.
 ADVICE = {
-    "lower_bound": "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are right.",
+    "lower_bound": "The box contains all ordinary cloth: check scale, frame rate and the garment's rest shape.",
     "guess": "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a motion that "
-    "tells it (fast turns tell drag, cloth pressed against the body friction).",
+    "depends on it (drag: fast turns; friction: cloth pressed against the body).",
     "seeds": "Let the search go on: the same command with a larger --fit-max-evaluations.",
     "lost": "Look at the frames of the lost joint in the outlines below; more cameras, or a take without them, help.",
     "carried": "Cloth that clings moves as skin does. If it should hang free, film a motion in which it flies, or simulate all "
-    "that is cloth (--garment-snug-slack 0).",
+    "cloth (--garment-snug-slack 0).",
     "cloth_ends": "Look at what is red under Cloth below; doublet edit-segmentation corrects it.",
 }
 ADVICE["upper_bound"] = ADVICE["lower_bound"]

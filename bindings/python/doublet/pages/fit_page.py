@@ -1,4 +1,4 @@
-"""The material search as a page: energy and parameters over evaluations, and how well the film tells each parameter.
+"""The material search as a page: energy and parameters over evaluations, and how well the video determines each parameter.
 
 Rewritten while the search runs (fit_progress.html), and a section of report.html afterwards.
 """
@@ -75,7 +75,7 @@ def parameters(region: dict) -> str:
         rows.append([name, float(value), UNITS.get(name, "-"), known, confidence(region, name), box, warning(region, name)])
     if "width" in region:
         rows.append(["width", region["width"], "index", interval(region, "width"), confidence(region, "width"), "", ""])
-    return table(["parameter", "value", "unit", "90 % interval", "told", "box", "warning"], rows)
+    return table(["parameter", "value", "unit", "90 % interval", "confidence", "box", "warning"], rows)
 
 
 def interval(region: dict, name: str) -> str:
@@ -109,19 +109,11 @@ def energies(region: dict) -> str:
 
 
 def describe_confidence(region: dict) -> list[str]:
-    """Which parameters the film tells; nothing if that was not measured. (Those that it does not are among the findings.)"""
-    told = region.get("confidence", {})
-    by_level = {level: [NAMES[n] for n in told if told[n] == level] for level in ("high", "medium")}
-    lines = []
-    if by_level["high"]:
-        lines.append(f"The film tells {listed(by_level['high'])}.")
-    if by_level["medium"]:
-        lines.append(f"{'It' if lines else 'The film'} tells something about {listed(by_level['medium'])}.")
-    return lines
-
-
-def listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    """Which parameters the video determines; nothing if that was not measured. (The others are among the findings.)"""
+    levels = region.get("confidence", {})
+    words = {"high": "Well determined", "medium": "Partly determined"}
+    found = {level: [NAMES[name] for name in levels if levels[name] == level] for level in words}
+    return [f"{words[level]}: {', '.join(names)}." for level, names in found.items() if names]
 
 
 def drawing(rows: int, height: float):
@@ -177,7 +169,7 @@ def parameter_plot(log: list[dict], names: list[str]) -> str:
 
 
 def corner_plot(draws: np.ndarray, region: dict, names: list[str]) -> str:
-    """Inline SVG: how likely the materials are, one parameter at a time and two at a time, in the box as it was searched."""
+    """Inline SVG: the posterior of the material, one parameter at a time and two at a time, in the box as it was searched."""
     from matplotlib.figure import Figure
 
     n = len(names)
@@ -201,7 +193,7 @@ def corner_plot(draws: np.ndarray, region: dict, names: list[str]) -> str:
                 axis.set_xlabel(names[j], fontsize=8)
             if j == 0:
                 axis.set_ylabel(names[i], fontsize=8)
-    return "<p>How likely every material is, given the film: one parameter, and two with their correlation.</p>" + svg(chart)
+    return "<p>Posterior of the material: each parameter, and each pair with its correlation.</p>" + svg(chart)
 
 
 class FitPage:

@@ -97,16 +97,23 @@ def overlays(shown: Shown) -> str:
 
 
 def cameras(shown: Shown) -> str:
-    """What the take says about the calibration; empty if it was not asked."""
+    """How far the calibration is off by the take; empty if that was not estimated."""
     summary = summaries_of(shown.job).get("performance", {})
     found = summary.get("cameras")
     if not found:
         return ""
-    kept = "The calibration is as good as the take can tell: it was kept."
-    mended = "The calibration was refined by the take; calibration.yml beside this page has the cameras that were used."
-    columns = ["moved_mm", "sure_mm", "turned_degrees", "shifted_mm", "focal_percent", "late_frames"]
+    kept = "No clear error of the calibration was found: it was kept."
+    mended = "The calibration was refined; calibration.yml beside this page has the cameras that were used."
+    columns = {
+        "moved_mm": "off at the actor, mm",
+        "sure_mm": "standard deviation of that, mm",
+        "turned_degrees": "turned by, degrees",
+        "shifted_mm": "shifted by, mm",
+        "focal_percent": "focal length off by, %",
+        "late_frames": "late by, frames",
+    }
     rows = [[camera["camera"], *(camera[name] for name in columns)] for camera in found]
-    return f"<p>{mended if summary['cameras_refined'] else kept}</p>" + table(["camera", *columns], rows)
+    return f"<p>{mended if summary['cameras_refined'] else kept}</p>" + table(["camera", *columns.values()], rows)
 
 
 def segmentation(shown: Shown) -> str:
@@ -116,7 +123,8 @@ def segmentation(shown: Shown) -> str:
         drawn["probability of cloth"] = drawing.probability_colours(segmentation.probability)
     sides = {"front": drawing.around(mesh.vertices, 0.0), "back": drawing.around(mesh.vertices, np.pi)}
     surfaces = {name: d.RenderMesh(mesh.vertices, shown.faces, colours=colours) for name, colours in drawn.items()}
-    pictures = row([figure(drawing.shade([s], sides[v]), f"{name}, {v}") for name, s in surfaces.items() for v in sides])
+    legend = "<p>Red: cloth. Yellow: may be either. doublet edit-segmentation OUT corrects it.</p>"
+    pictures = legend + row([figure(drawing.shade([s], sides[v]), f"{name}, {v}") for name, s in surfaces.items() for v in sides])
     if not segmentation.region_count:
         return pictures + "<p>No cloth found: the character is skinned only.</p>"
     areas = d.vertex_areas(mesh.vertices, mesh.faces)
@@ -125,7 +133,7 @@ def segmentation(shown: Shown) -> str:
 
 
 def carried(shown: Shown) -> str:
-    """What of the cloth the body carries, as a picture; empty if nothing is."""
+    """The cloth that the body carries, as a picture; empty if there is none."""
     attachment, cloth = shown.job.results.garment.attachment, shown.job.results.segmentation().clothness
     is_carried = (attachment >= 0.5) & (cloth > 0.5) if len(attachment) else np.zeros(len(cloth), bool)
     if not is_carried.any():
@@ -139,12 +147,12 @@ def carried(shown: Shown) -> str:
 
 
 def garment(shown: Shown) -> str:
-    """What of the cloth is carried; the garment's mesh in the scan pose and in its rest shape."""
+    """The cloth that is carried; the garment's mesh in the scan pose and in its rest shape."""
     worn = shown.job.results.garment
     if not shown.job.results.dressed.segmentation.region_count:
         return carried(shown) + "<p>No cloth that hangs free, so there is no garment.</p>"
     if not worn.region_count:
-        return carried(shown) + "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
+        return carried(shown) + "<p>No mesh of its own: the cloth is the loose part of the template.</p>"
     faces, colours = worn.mesh.faces, drawing.cloth_colours(worn.clothness)
     shapes = (("scan pose", worn.mesh.vertices), ("rest shape", worn.rest))
     camera, figures = drawing.around(np.vstack([vertices for _, vertices in shapes]), 0.0, size=800), []  # at one scale
@@ -155,7 +163,7 @@ def garment(shown: Shown) -> str:
     summary = summaries_of(shown.job).get("garment", {})
     rows = [[k.replace("_", " "), v] for k, v in summary.items() if k != "findings"]
     rows += [[f"area in the {name}, m²", float(d.face_areas(vertices, faces).sum())] for name, vertices in shapes]
-    text = "<p>Lengths and masses come from the rest shape. Light: what hangs on the skeleton.</p>"
+    text = "<p>Lengths and masses come from the rest shape. Light: attached to the skeleton.</p>"
     return carried(shown) + text + row(figures) + table(["number", "value"], rows)
 
 
@@ -258,7 +266,7 @@ def overlap_in_words(track: Track) -> str:
     """Empty without silhouettes."""
     named = (("The tracked surface", track.tracked), ("The simulated character", track.simulated))
     return " ".join(
-        f"{name} overlaps the silhouettes by {values.mean():.3f} on average over {len(values)} frames (1 = exactly), "
+        f"{name} has a silhouette IoU of {values.mean():.3f} on average over {len(values)} frames, "
         f"least in frame {track.frames[np.argmin(values)]:.0f} ({values.min():.3f})."
         for name, values in named
         if len(values)
@@ -273,7 +281,7 @@ def distance_in_words(track: Track, frames: list[int]) -> str:
     return (
         f"From the captured cloth to the simulated: {whole:.1f} cm RMS over all frames, most in frame {frames[at]} "
         f"({track.rms[at]:.1f} cm). "
-        "The material is fitted to outlines and features, not to this distance: folds may lie elsewhere."
+        "The material is fitted to outlines, features and the captured surface, not to these vertices: folds may lie elsewhere."
     )
 
 
@@ -283,7 +291,7 @@ def over_time(shown: Shown) -> str:
     chart, axes = fit_page.drawing(1 + bool(len(track.rms)), 4.6 if len(track.rms) else 2.5)
     axes[0, 0].plot(track.frames, track.tracked, ".-", label="tracked surface")
     axes[0, 0].plot(track.frames, track.simulated, ".-", label="simulated character")
-    axes[0, 0].set_ylabel("overlap with the\nsilhouettes, of 1")
+    axes[0, 0].set_ylabel("silhouette IoU")
     if len(track.rms):
         axes[1, 0].plot(frames, track.rms, label="RMS")
         axes[1, 0].plot(frames, track.most, label="95 % are nearer")
