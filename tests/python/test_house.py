@@ -171,7 +171,7 @@ ALONE = {"optimizers", "testing"}  # modules that are rooms of their own
 def room_table() -> dict[str, set[str]]:
     """Room -> rooms that it may import: the table of docs/architecture.md."""
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    table = text.split("## Rooms of the Python package")[1].split("\n## ")[0]
+    table = text.split("## The Python package")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `(\w+)` \| .* \| ([^|]*) \|$", table, re.MULTILINE)
     rooms = [room for room, _ in rows]
     return {room: set(rooms) if may == "all" else set(re.findall(r"\w+", may)) - {"nothing"} for room, may in rows}
