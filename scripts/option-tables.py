@@ -19,8 +19,7 @@ GROUPS = {
 
 
 def as_text(value) -> str:
-    text = f"{value:g}" if isinstance(value, float) else to_text(value)
-    return {"True": "on", "False": "off"}.get(text, text)
+    return f"{value:g}" if isinstance(value, float) else to_text(value)
 
 
 def default_of(value, papers, unit: str) -> str:
