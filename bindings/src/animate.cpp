@@ -39,7 +39,8 @@ SourceMotion source_motion(const std::vector<std::string> &names, const std::vec
     throw std::invalid_argument("SourceMotion: expected a parent and an offset for each of " + std::to_string(joints) +
                                 " joints, found " + std::to_string(parents.size()) + " and " + std::to_string(offsets.rows()));
   if (rotations.ndim() != 3 || rotations.shape(1) != static_cast<py::ssize_t>(joints) || rotations.shape(2) != 4)
-    throw std::invalid_argument("SourceMotion: rotations must have the shape (frames, " + std::to_string(joints) + ", 4)");
+    throw std::invalid_argument("SourceMotion: rotations: expected the shape (frames, " + std::to_string(joints) +
+                                ", 4), found " + std::string(py::str(rotations.attr("shape"))));
   SourceMotion motion;
   motion.source = source;
   motion.fps = fps;
@@ -82,7 +83,7 @@ void bind_character(py::module_ &m) {
       .def_readwrite("actor", &Character::actor, "RiggedMesh: surface, skeleton, skin weights")
       .def_readwrite("segmentation", &Character::segmentation, "what of the surface is cloth")
       .def_readwrite("proxies", &Character::proxies, "TaperedCapsules that the cloth collides with")
-      .def_readwrite("materials", &Character::materials, "one a cloth region")
+      .def_readwrite("materials", &Character::materials, "one per cloth region")
       .def_readwrite("solver", &Character::solver, "SolverSettings, without which the materials mean nothing")
       .def_readwrite("body", &Character::body, "the body under the clothes, scan pose; may be empty")
       .def_readwrite("body_shown", &Character::body_shown, "(FB) 1 = hidden under cloth in the scan, must be drawn")

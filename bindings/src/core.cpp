@@ -32,7 +32,8 @@ py::array_t<double> stack(const std::vector<Vertices> &frames) {
 
 std::vector<Vertices> unstack(const py::array_t<double, py::array::c_style | py::array::forcecast> &frames, const char *what) {
   if (frames.ndim() != 3 || frames.shape(2) != 3)
-    throw std::invalid_argument(std::string(what) + " must have the shape (frames, vertices, 3)");
+    throw std::invalid_argument(std::string(what) + ": expected the shape (frames, vertices, 3), found " +
+                                std::string(py::str(frames.attr("shape"))));
   std::vector<Vertices> result;
   for (py::ssize_t t = 0; t < frames.shape(0); ++t)
     result.push_back(Eigen::Map<const Vertices>(frames.data(t, 0, 0), frames.shape(1), 3));
@@ -101,8 +102,8 @@ void bind_context(py::module_ &m) {
              return context;
            }),
            py::kw_only(), py::arg("progress") = nullptr, py::arg("log") = nullptr, py::arg("threads") = 0,
-           "progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.")
-      .def_readwrite("threads", &Context::threads, "0 = one a core; results do not depend on it")
+           "progress(stage, fraction in [0, 1]); log(line); threads: 0 = one per core, results do not depend on it.")
+      .def_readwrite("threads", &Context::threads, "0 = one per core; results do not depend on it")
       .def("report_progress", &Context::report_progress, py::arg("stage"), py::arg("fraction"), Release(),
            "Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.")
       .def("log_line", &Context::log_line, py::arg("line"), Release(), "Hands a line to log.")

@@ -166,7 +166,7 @@ void bind_options(py::module_ &m) {
       .def_readwrite("body_model", &ReconstructionOptions::body_model, "file of the statistical body")
       .def_readwrite("seed", &ReconstructionOptions::seed, "of every random choice")
       .def_readwrite("fps", &ReconstructionOptions::fps, "of the videos; 0 = as the session says")
-      .def_readwrite("keep_going", &ReconstructionOptions::keep_going, "past results that cannot be true")
+      .def_readwrite("keep_going", &ReconstructionOptions::keep_going, "continue after results that are judged impossible")
       .def_readwrite("configuration", &ReconstructionOptions::configuration, "the file that the options are from; empty = none");
 }
 

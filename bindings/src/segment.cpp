@@ -33,7 +33,7 @@ public:
 void bind_segment(py::module_ &m) {
   OptionsClass<OppositeOptions>(m, "The rays by which ClothSegmenter measures.");
   OptionsClass<SegmentOptions>(m, "Options of ClothSegmenter.");
-  Class<SegmentInputs>(m, "SegmentInputs", "What a ClothSegmenter is given; only the surface is needed.")
+  Class<SegmentInputs>(m, "SegmentInputs", "Input of a ClothSegmenter; only the surface is required.")
       .def(py::init([](MeshSequence surface, Mask face_valid,
                        const std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> &canonical,
                        const std::optional<Vertices> &colours, Eigen::VectorXd prior, Eigen::VectorXd gap,
@@ -59,23 +59,28 @@ void bind_segment(py::module_ &m) {
           "(T, V, 3) m: the frames brought back to the scan pose (canonical_frames), or empty; a copy")
       .def_readwrite("colours", &SegmentInputs::colours,
                      "(F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.")
-      .def_readwrite("prior", &SegmentInputs::prior, "(V) log odds of cloth before anything is seen (cloth_prior); or empty")
+      .def_readwrite("prior", &SegmentInputs::prior, "(V) prior log odds of cloth (cloth_prior); or empty = 0")
       .def_readwrite(
           "gap", &SegmentInputs::gap,
-          "(V) m, how far the scan stands off a body that fits into it (cloth_slack with it for the only frame); or empty")
+          "(V) m, distance of the scan from a body fitted inside it (cloth_slack with the scan for the only frame); or empty")
       .def_readwrite("mirrored", &SegmentInputs::mirrored,
                      "(V) the vertex on the body's other side (mirrored_vertices), -1 = none; or empty");
-  m.def("cloth_prior", &cloth_prior, py::arg("actor"), py::arg("pose"), Release(),
-        "(V) log odds of loose cloth by place on the body: below 0 on hands, feet, head, and what hangs on no trunk.");
+  m.def(
+      "cloth_prior", &cloth_prior, py::arg("actor"), py::arg("pose"), Release(),
+      "(V) prior log odds of cloth by place on the body: below 0 on hands, feet, head and pieces not connected with the trunk; 0 "
+      "elsewhere. pose: segmentation_pose(actor, performance).");
   m.def("dressed_all_over", &dressed_all_over, py::arg("actor"), py::arg("pose"), Release(),
-        "All is cloth but hands, feet, head and what hangs on no trunk: a body that is fitted to it is within the surface.");
+        "Everything is cloth except hands, feet, head and pieces not connected with the trunk: a body that is fitted to this "
+        "segmentation lies within the surface.");
   m.def("mirrored_vertices", &mirrored_vertices, py::arg("actor"), Release(),
-        "(V) the vertex at the same place of the body's other side, -1 = none.");
+        "(V) the mirror image of each vertex on the other side of the body, -1 = none. All -1 without joints l_... and r_....");
   Class<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: captured surface -> segmentation. Subclass to replace it.")
       .def(py::init<>())
-      .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{}, "The built-in segmenter (Sect. 5).")
+      .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{},
+                  "The built-in segmenter (docs/segmentation.md).")
       .def("segment", &ClothSegmenter::segment, py::arg("inputs"), py::arg("context") = interruptible_context(), Release(),
-           "Which vertices are loose cloth.");
+           "Labels of cloth and skin -> Segmentation. Raises ValueError for fewer than 2 frames or sizes that disagree, "
+           "Error for an unusable mesh.");
   m.def(
       "segment_cloth",
       [](const MeshSequence &sequence, const Mask &face_valid, const SegmentOptions &options, const Context &context) {
@@ -84,8 +89,9 @@ void bind_segment(py::module_ &m) {
       py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
       py::arg("context") = interruptible_context(), Release(),
       "ClothSegmenter.create(options).segment(SegmentInputs(sequence, face_valid), context).");
-  m.def("segmentation_pose", &segmentation_pose, py::arg("actor"), py::arg("performance"), Release(),
-        "The first frame if it is in the scan's pose, otherwise the actor's mesh: what a segmentation is made in -> Mesh.");
+  m.def(
+      "segmentation_pose", &segmentation_pose, py::arg("actor"), py::arg("performance"), Release(),
+      "The Mesh in whose pose a segmentation is made: the first frame if it is in the scan's pose, otherwise the actor's mesh.");
   m.def(
       "segment_performance",
       [](const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
@@ -95,20 +101,24 @@ void bind_segment(py::module_ &m) {
       },
       py::arg("actor"), py::arg("performance"), py::arg("segmenter"), py::arg("colours") = std::nullopt,
       py::arg("body") = std::nullopt, py::arg("context") = interruptible_context(), Release(),
-      "The whole stage for a captured performance: canonical frames, prior, segmentation. colours of its first frame, as "
-      "SegmentInputs has them; body: one that fits into the scan's surface (BodyFitter on dressed_all_over).");
+      "The whole stage for a captured performance: computes canonical frames, prior and mirror images, then segments. colours: "
+      "of its first frame, from sample_colours; body: fitted inside the scan (BodyFitter on dressed_all_over). Without them "
+      "their terms are left out.");
   Class<SegmentSummary>(m, "SegmentSummary", "What a segmentation found.")
       .def_readonly("regions", &SegmentSummary::regions, "cloth regions")
       .def_readonly("cloth_area", &SegmentSummary::cloth_area, "m^2, clothness over a half")
       .def_readonly("transition_area", &SegmentSummary::transition_area, "m^2, clothness of at most a half, but not 0")
-      .def_readonly("known_fraction", &SegmentSummary::known_fraction, "of the seen vertices: had a usable opposite ray")
-      .def_readonly("noise", &SegmentSummary::noise, "m, deviation of the stillest tenth of the surface")
-      .def_readonly("uncertain_area", &SegmentSummary::uncertain_area, "share with a probability of cloth from 0.1 to 0.9");
+      .def_readonly("known_fraction", &SegmentSummary::known_fraction,
+                    "share of the vertices on valid faces whose sigma is known")
+      .def_readonly("noise", &SegmentSummary::noise, "m, 10 % quantile of sigma")
+      .def_readonly("uncertain_area", &SegmentSummary::uncertain_area,
+                    "share of the area with a probability of cloth from 0.1 to 0.9");
   m.def("summarise_segmentation", &summarise_segmentation, py::arg("pose"), py::arg("face_valid"), py::arg("segmentation"),
-        Release(), "Areas, noise and how sure a segmentation is.");
+        Release(),
+        "Areas, noise and certainty of a segmentation -> SegmentSummary. pose: segmentation_pose(actor, performance).");
   m.def("apply_corrections", &apply_corrections, py::arg("pose"), py::arg("face_valid"), py::arg("found"), py::arg("painted"),
         Release(),
-        "What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a border between regions.");
+        "The segmentation `found` with corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a border between regions.");
   m.def("cloth_segmenter_violations", &testing::cloth_segmenter_violations, py::arg("segmenter"), Release(),
         "One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.");
   m.def(
@@ -120,8 +130,8 @@ void bind_segment(py::module_ &m) {
         return cloth_slack(body, frames, context);
       },
       py::arg("body"), py::arg("canonical"), py::arg("context") = interruptible_context(),
-      "(V) m: how far the captured surface, taken back to the scan pose (canonical_frames), gets from the body: exceeded in 5 % "
-      "of the frames.");
+      "(V) m: distance of the captured surface, transformed back to the scan pose (canonical_frames), outside the body that is "
+      "exceeded in 5 % of the frames; 0 = on the body or inside it.");
   OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");
   Class<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher", "Stage: segmentation -> the garment's mesh. Subclass to replace it.")
       .def(py::init<>())
@@ -131,9 +141,10 @@ void bind_segment(py::module_ &m) {
   m.def("garment_mesher_violations", &testing::garment_mesher_violations, py::arg("mesher"), py::arg("actor"),
         py::arg("segmentation"), Release(),
         "One sentence for each rule that a GarmentMesher breaks on an actor of yours: it fits, the same bits twice, refusals.");
-  m.def("mesh_garment", &mesh_garment, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("captured"),
-        py::arg("options") = GarmentOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "All cloth of the actor as a mesh of its own, in one call.");
+  m.def(
+      "mesh_garment", &mesh_garment, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("captured"),
+      py::arg("options") = GarmentOptions{}, py::arg("context") = interruptible_context(), Release(),
+      "GarmentMesher.create(options).mesh(...): all cloth that hangs free as a mesh of its own. body and captured may be empty.");
   Class<GarmentSummary>(m, "GarmentSummary", "What the mesher made.")
       .def_readonly("vertices", &GarmentSummary::vertices, "of the garment's mesh")
       .def_readonly("faces", &GarmentSummary::faces, "of the garment's mesh")

@@ -401,7 +401,7 @@ const Character &Player::character() const {
 void Player::set_materials(const std::vector<pbd::Material> &materials) {
   const std::size_t expected = shared_->simulator.regions().size();
   if (materials.size() != expected)
-    throw std::invalid_argument("Player: expected " + std::to_string(expected) + " materials, one a cloth region, found " +
+    throw std::invalid_argument("Player: expected " + std::to_string(expected) + " materials, one per cloth region, found " +
                                 std::to_string(materials.size()));
   for (const pbd::Material &material : materials)
     pbd::validate(material);

@@ -1,6 +1,7 @@
 #include "doublet/core/garment.h"
 
 #include "doublet/core/error.h"
+#include "doublet/options/options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -125,7 +126,7 @@ Garment choose_widths(const Garment &garment, const std::vector<double> &chosen)
   for (double width : chosen)
     if (!(width >= 0 && width <= last))
       throw std::invalid_argument("choose_widths: expected a width between 0 and " + std::to_string(garment.widths.size() - 1) +
-                                  ", found " + std::to_string(width));
+                                  ", found " + options::to_text(width));
   for (Eigen::Index v = 0; v < result.rest.rows(); ++v) {
     const double width = chosen[garment.region[v]], below = std::floor(width), share = width - below;
     const auto first = static_cast<std::size_t>(below), second = static_cast<std::size_t>(std::min(below + 1, last));

@@ -468,7 +468,7 @@ std::string FitFinding::text() const {
   case Kind::UpperBound:
     return is + " lies at the upper bound of its box, " + to + ": the search would go further if it could.";
   case Kind::Guess:
-    return is + " is a guess: the film tells no more than that it lies between " + from + " and " + to + " (90 %).";
+    return is + " is a guess: its 90 % interval is " + from + " to " + to + ".";
   case Kind::Seeds:
     return is + " depends on the seed: the answers of the searches lie between " + from + " and " + to + ".";
   }

@@ -16,7 +16,10 @@ namespace doublet::detail {
 
 namespace {
 
-constexpr const char *kCrown = "head_top"; // a glove or a boot may be a garment, a head is none
+/// A glove or a boot may be a garment, a head is none. `joint`: the last one, "head" in a skeleton without "head_top".
+bool is_head(const std::string &joint) {
+  return joint.rfind("head", 0) == 0;
+}
 
 /// What the surface looks like in the first captured frame, for SegmentInputs::colours.
 Vertices first_colours(Reconstruction &reconstruction, const ReferencePerformance &performance) {
@@ -27,12 +30,12 @@ Vertices first_colours(Reconstruction &reconstruction, const ReferencePerformanc
   return sample_colours(first, actor.face_valid, session.rig, views.images, views.masks, {}, reconstruction.context());
 }
 
-/// Whether the scan is one whose distance from a body tells of clothes. What the views made bulges between them by as much as
-/// clothes do: there colours know better, where there are any.
-bool tells_of_clothes(Reconstruction &reconstruction, const Vertices &colours) {
+/// Whether the scan's distance from a body is evidence for clothes. A scan made from the views bulges between their outlines by
+/// as much as clothes do; colours, where there are any, are better evidence.
+bool use_gap(Reconstruction &reconstruction, const Vertices &colours) {
   if (!reconstruction.session().scan_from_views || !colours.array().isFinite().any())
     return true;
-  reconstruction.announce("segment: the scan is made from the views: how far it stands off a body is not asked");
+  reconstruction.announce("segment: the scan was made from the videos, so its distance from a body is not used");
   return false;
 }
 
@@ -46,7 +49,7 @@ Mesh body_within(Reconstruction &reconstruction, const ReferencePerformance &per
         ->fit(actor, dressed, *model, reconstruction.session().landmarks, reconstruction.context())
         .body;
   } catch (const Error &error) {
-    reconstruction.announce(std::string("segment: no body was fitted, so that motion and colour alone tell what is cloth: ") +
+    reconstruction.announce(std::string("segment: no body was fitted, so only motion, colour and prior decide what is cloth: ") +
                             error.what());
     return {};
   }
@@ -71,9 +74,9 @@ std::string percent(double share) {
 std::vector<Finding> end_findings(const std::vector<ClothEnd> &ends) {
   std::vector<Finding> findings;
   for (const ClothEnd &end : ends)
-    findings.push_back({end.joint == kCrown,
-                        "expected a garment without sole, hand or head, found " + percent(end.share) + " of what ends at " +
-                            end.joint + " to be cloth; look at it",
+    findings.push_back({is_head(end.joint),
+                        "expected skin at the ends of limbs, found " + percent(end.share) + " of the surface at " + end.joint +
+                            " to be cloth; look at it",
                         "cloth_ends"});
   return findings;
 }
@@ -109,10 +112,9 @@ std::vector<Finding> carried_findings(const std::vector<RegionShare> &regions) {
   for (std::size_t r = 0; r < regions.size(); ++r)
     if (regions[r].cloth > 0 && regions[r].carried >= regions[r].cloth)
       findings.push_back({false,
-                          "expected cloth that hangs from the body, found region " + std::to_string(r) + ", " +
-                              percent(regions[r].cloth) + " of the surface and on average within " +
-                              options::to_text(1000 * regions[r].slack, 3) +
-                              " mm of the body, to be carried as skin is: it is not simulated",
+                          "expected cloth that hangs free, found region " + std::to_string(r) + " (" + percent(regions[r].cloth) +
+                              " of the surface) within " + options::to_text(1000 * regions[r].slack, 3) +
+                              " mm of the body on average: the body carries it, it is not simulated",
                           "carried"});
   return findings;
 }
@@ -125,8 +127,8 @@ Json run_segment(Reconstruction &reconstruction) {
   const ReferencePerformance performance = reconstruction.results().performance();
   const auto segmenter = ClothSegmenter::create(options.segment);
   const Vertices colours = options.segment.colour > 0 ? first_colours(reconstruction, performance) : Vertices(0, 3);
-  const bool is_asked = options.segment.gap_slope > 0 && tells_of_clothes(reconstruction, colours);
-  const Mesh body = is_asked ? body_within(reconstruction, performance) : Mesh();
+  const bool has_gap = options.segment.gap_slope > 0 && use_gap(reconstruction, colours);
+  const Mesh body = has_gap ? body_within(reconstruction, performance) : Mesh();
   const Segmentation found = segment_performance(actor, performance, *segmenter, colours, body, reconstruction.context());
   const auto painted = read_segmentation_paint(reconstruction.out(), found.clothness.size());
   const Mesh pose = segmentation_pose(actor, performance);

@@ -1,6 +1,7 @@
 #include "doublet/segment/cloth_prior.h"
 
 #include "doublet/core/parts/skeleton_tree.h"
+#include "limb_ends.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -15,29 +16,20 @@ using detail::Surface;
 // Log odds. Nobody's hands, feet and head hang loose, and a garment hangs from the trunk.
 constexpr double kExtremity = 5;
 constexpr double kUnattached = 4;
-constexpr double kSurelyNone = -2;
-
-/// The joint that moves the end of a limb that ends at `leaf`: the leaf if it moves anything (a wrist), else its parent (the leaf
-/// only marks a fingertip).
-int mover_of_end(const RiggedMesh &actor, int leaf) {
-  return actor.weights.col(leaf).maxCoeff() > 0.1 ? leaf : actor.skeleton.joints[leaf].parent;
-}
+constexpr double kSurelyNone = -2; // half of what a piece without trunk has
 
 /// (V) in [0, 1]: part of a hand, a foot or the head; rises from the joint to halfway between it and the end.
 Eigen::VectorXd extremities(const RiggedMesh &actor, const Surface &surface) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(surface.size());
-  for (int leaf = 0; leaf < actor.skeleton.joint_count(); ++leaf) {
-    const int joint = actor.skeleton.is_leaf(leaf) ? mover_of_end(actor, leaf) : -1;
-    if (joint < 0 || actor.skeleton.joints[joint].parent < 0) // the root carries the trunk
-      continue;
-    const Eigen::RowVector3d at = actor.skeleton.joints[joint].rest.transpose();
+  for (const detail::LimbEnd &limb : detail::limb_ends(actor)) {
+    const Eigen::RowVector3d at = actor.skeleton.joints[limb.mover].rest.transpose();
     const Eigen::VectorXd distance = (actor.mesh.vertices.rowwise() - at).rowwise().norm();
     double end = 0;
     for (int v = 0; v < surface.size(); ++v)
-      if (surface.areas[v] > 0 && actor.weights(v, joint) > 0.5)
+      if (surface.areas[v] > 0 && actor.weights(v, limb.mover) > 0.5)
         end = std::max(end, distance[v]);
     if (end > 0)
-      result = result.cwiseMax((actor.weights.col(joint).array() * (2 * distance.array() / end).min(1.0)).matrix());
+      result = result.cwiseMax((actor.weights.col(limb.mover).array() * (2 * distance.array() / end).min(1.0)).matrix());
   }
   return result;
 }

@@ -7,6 +7,7 @@
 #include "doublet/segment/cloth_prior.h"
 #include "doublet/segment/parts/diffusion.h"
 #include "doublet/segment/slack.h"
+#include "limb_ends.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -156,8 +157,8 @@ void part_by_colour(const Mesh &pose, const SegmentInputs &inputs, const Segment
   const int before = result.region_count;
   detail::label_regions(surface, detail::colour_seams(surface, inputs, result, options), result, options.min_region_area);
   if (result.region_count > before)
-    context.log_line("segment: cloth of two looks meets where it moves little: " + std::to_string(result.region_count) +
-                     " garments in the place of " + std::to_string(before));
+    context.log_line("segment: cloth is split where two colours meet and it moves little: " +
+                     std::to_string(result.region_count) + " regions instead of " + std::to_string(before));
 }
 
 void require_one_each(const Eigen::VectorXd &values, Eigen::Index vertices, const char *name, const char *what) {
@@ -263,14 +264,11 @@ SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::u
 std::vector<ClothEnd> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation) {
   const Eigen::ArrayXd areas = vertex_areas(actor.mesh.vertices, actor.mesh.faces).array();
   std::vector<ClothEnd> ends;
-  for (int j = 0; j < actor.skeleton.joint_count(); ++j) {
-    const Joint &joint = actor.skeleton.joints[j];
-    if (!actor.skeleton.is_leaf(j) || joint.parent < 0)
-      continue;
-    const Eigen::ArrayXd area = areas * actor.weights.col(joint.parent).array();
+  for (const detail::LimbEnd &limb : detail::limb_ends(actor)) {
+    const Eigen::ArrayXd area = areas * actor.weights.col(limb.mover).array();
     const double cloth = (segmentation.clothness.array() > 0.5).select(area, 0.0).sum();
     if (area.sum() > 0 && cloth > 0.5 * area.sum())
-      ends.push_back({joint.name, cloth / area.sum()});
+      ends.push_back({actor.skeleton.joints[limb.leaf].name, cloth / area.sum()});
   }
   return ends;
 }

@@ -33,8 +33,9 @@ Segmentation apply_corrections(const Mesh &pose, const std::vector<std::uint8_t>
       parting[i] = 1;
       break;
     default:
-      throw std::invalid_argument("apply_corrections: painted: expected -1 (as found), 0 (skin), 1 (cloth) or 2 (seam), found " +
-                                  std::to_string(painted[i]));
+      throw std::invalid_argument(
+          "apply_corrections: painted: expected -1 (as found), 0 (skin), 1 (cloth) or 2 (border), found " +
+          std::to_string(painted[i]));
     }
   detail::label_regions(surface, parting, result);
   return result;

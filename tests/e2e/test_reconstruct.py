@@ -333,7 +333,7 @@ def test_the_notebook_runs(made, shipped, tmp_path, monkeypatch):
     assert "joint_mm" in said
 
 
-def test_how_far_a_scan_of_the_views_stands_off_a_body_is_not_asked(made, broken_session, tmp_path):
+def test_the_distance_of_a_scan_of_the_views_from_a_body_is_not_used(made, broken_session, tmp_path):
     out = tmp_path / "copy"
     shutil.copytree(made[0], out)
     described = json.loads((broken_session / "session.json").read_text())
@@ -342,6 +342,6 @@ def test_how_far_a_scan_of_the_views_stands_off_a_body_is_not_asked(made, broken
     (out / "run.json").write_text(json.dumps({**record, "session": str(broken_session)}))
     done = doublet("segment", out, "--force")
     assert done.returncode in (0, 3), done.stderr
-    assert "how far it stands off a body is not asked" in done.stderr
+    assert "its distance from a body is not used" in done.stderr
     asked, plain = (np.load(folder / "segmentation.npz")["probability"] for folder in (made[0], out))
     assert np.abs(asked - plain).max() > 0.1

@@ -892,8 +892,7 @@ TEST(RegionFit, FindingsNameWhatIsDoubtful) {
   EXPECT_TRUE(texts().empty());
   fit.posterior.interval.resize(3, 2);
   fit.posterior.interval << 0.25, 0.8, 0, 0.1, 0.7, 0.99;
-  EXPECT_EQ(texts(), (std::vector<std::string>{
-                         "d_n = 8 is a guess: the film tells no more than that it lies between 2 and 20.5 (90 %)."}));
+  EXPECT_EQ(texts(), (std::vector<std::string>{"d_n = 8 is a guess: its 90 % interval is 2 to 20.5."}));
   fit.posterior.interval(0, 1) = 0.3;
   fit.answer_half_range = Eigen::Vector3d(0.1, 0.2, 0);
   ASSERT_EQ(texts().size(), 1u);

@@ -47,6 +47,8 @@ def test_errors_are_pythons(tmp_path):
     assert issubclass(d.Error, RuntimeError)
     with pytest.raises(d.Error, match="nobody"):
         d.Skeleton([*MARKS, d.JointAnnotation("head", "nobody", [0, 1.6, 0])])
+    with pytest.raises(ValueError, match=r"canonical: expected the shape \(frames, vertices, 3\), found \(4, 3\)"):
+        d.cloth_slack(d.Mesh(TETRAHEDRON, FACES), TETRAHEDRON)
 
 
 def test_skeleton_kinematics():

@@ -75,7 +75,7 @@ def test_copies_step_together_with_the_same_bits(world, player):
         (lambda p, pose: p.step(pose[:-1]), "expected a pose of 9 finite numbers, found 8"),
         (lambda p, pose: p.reset(pose * np.nan), "found NaN or infinity"),
         (lambda p, pose: p.step(pose, 2), r"expected seconds in \(0, 1\], found 2"),
-        (lambda p, pose: setattr(p, "materials", []), "expected 1 materials, one a cloth region, found 0"),
+        (lambda p, pose: setattr(p, "materials", []), "expected 1 materials, one per cloth region, found 0"),
         (lambda p, pose: setattr(p, "wind", [0, np.inf, 0]), "expected a wind within 1000 m/s"),
         (lambda p, pose: d.step_players([p, p], [pose, pose], 0.02), "found one twice"),
         (lambda p, pose: d.step_players([p], [pose, pose], 0.02), "found 2 poses and 1 players"),

@@ -53,6 +53,16 @@ TEST(ClothEnds, AFootOrAHandOfClothIsNamed) {
   EXPECT_EQ(named({0, 1, 2, 3, 4, 5, 6, 7, 8}), (Names{"toe", "hand"}));
 }
 
+TEST(ClothEnds, AHandThatTheWristMovesIsNoForearm) {
+  RiggedMesh actor = limbs();
+  actor.skeleton.joints.pop_back(); // "hand": the wrist is the last joint, and moves what lies beyond it
+  actor.skeleton.joints[4].parent = 1;
+  actor.weights.conservativeResize(9, 5);
+  const Segmentation sleeve = cloth_at({0, 1, 2});
+  EXPECT_TRUE(cloth_ends(actor, sleeve).empty()) << "all of the bone before it";
+  EXPECT_EQ(cloth_ends(actor, cloth_at({6, 7, 8}))[0].joint, "wrist");
+}
+
 TEST(ClothEnds, SaysHowMuchOfItIsCloth) {
   EXPECT_NEAR(cloth_ends(limbs(), cloth_at({3, 4}))[0].share, 2 / 3.0, 1e-12);
 }

@@ -18,7 +18,7 @@ struct Character {
   RiggedMesh actor; ///< M, skeleton, skin weights
   Segmentation segmentation;
   std::vector<TaperedCapsule> proxies;
-  std::vector<pbd::Material> materials; ///< one a cloth region
+  std::vector<pbd::Material> materials; ///< one per cloth region
   SolverSettings solver;
 
   Mesh body;                                     ///< the body under the clothes, scan pose; may be empty

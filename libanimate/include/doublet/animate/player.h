@@ -94,7 +94,7 @@ public:
   const Character &character() const;  ///< as it was given
 
   // What may change between two steps. std::invalid_argument if a value is none, and nothing has changed.
-  void set_materials(const std::vector<pbd::Material> &materials); ///< one a cloth region
+  void set_materials(const std::vector<pbd::Material> &materials); ///< one per cloth region
   void set_wind(const Eigen::Vector3d &wind);                      ///< m/s
   void set_gravity(const Eigen::Vector3d &gravity);                ///< m/s^2, within 1000
   void set_proxies(const std::vector<TaperedCapsule> &proxies);    ///< Error if one names no joint of the skeleton

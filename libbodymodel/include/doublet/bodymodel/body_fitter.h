@@ -66,10 +66,11 @@ public:
   /// missing.
   virtual BodyFit fit(const RiggedMesh &actor, const Segmentation &segmentation, const BodyModel &model,
                       const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const = 0;
-  /// All scans together: one shape (BodyModel::shape_count()), for each scan its own pose and place. One fit a scan, in order.
+  /// All scans together: one shape (BodyModel::shape_count()), for each scan its own pose and place. One fit per scan, in order.
   /// Throws Error as fit() does, naming the scan; the default throws std::logic_error, since a fitter need not know how.
   virtual std::vector<BodyFit> fit_together(const std::vector<ClothedScan> &scans, const BodyModel &model,
                                             const Context &context) const;
+  /// The built-in one: robust ICP over the model's coefficients. Throws std::invalid_argument as BodyFitOptions::validate().
   static std::unique_ptr<BodyFitter> create(const BodyFitOptions &options = {});
 };
 
@@ -79,9 +80,9 @@ struct BodyRegion {
   double area = 0;      ///< m^2 of the body
   double exposed = 0;   ///< share of it whose nearest surface is skin
   double residual = 0;  ///< m, mean distance of that skin to the body; 0 where none is exposed
-  double deviation = 0; ///< m, expected RMS error (BodyFit::deviation); 0 if the fitter told none
+  double deviation = 0; ///< m, expected RMS error (BodyFit::deviation); 0 if that is not known
 };
-/// One a joint that has surface of its own, in the skeleton's order.
+/// One for each joint that has surface of its own, in the skeleton's order.
 std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation);
 
 /// (B) 1 where the nearest surface of the actor is cloth (delta > 0): what is hidden in the scan.

@@ -26,13 +26,13 @@ struct Limb {
 /// their own; branches without freedom belong to the limb they hang on. The root is no limb: it moves everything.
 std::vector<Limb> find_limbs(const Skeleton &skeleton);
 
-/// One frame. Arrays over views have one entry a camera; a view with an empty mask takes no part.
+/// One frame. Arrays over views have one entry per camera; a view with an empty mask takes no part.
 struct LimbProblem {
   const RiggedMesh *actor = nullptr;
   const CameraRig *rig = nullptr;
   const std::vector<Image> *masks = nullptr; ///< measured; 255 = actor
   Vertices offset;                           ///< (V, 3) m, rest pose: expected non-rigid offset; may be empty
-  Eigen::VectorXd reliability;               ///< (V) in [0, 1]: how well a vertex tells the pose; low on loose cloth
+  Eigen::VectorXd reliability;               ///< (V) in [0, 1]: weight of a vertex in the pose; low on loose cloth
   Eigen::VectorXd predicted;                 ///< (D) pose expected from the frames before
   std::vector<SeenPoint> points = {};        ///< joints that keypoints show
 };

@@ -1,6 +1,6 @@
 #pragma once
-// Whether a session can be true, before anything is built on it: scan, joints, calibration and silhouettes against each other at
-// frame 0 if it shows the scan's pose, otherwise at the frame that comes nearest.
+// Plausibility check of a session: scan, joints, calibration and silhouettes against each other at frame 0 if it shows the scan's
+// pose, otherwise at the frame that comes nearest.
 
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"

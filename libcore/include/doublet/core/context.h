@@ -1,5 +1,5 @@
 #pragma once
-// What a stage is told about its surroundings: progress, cancellation, threads, log. One object, passed in; no globals.
+// What a stage gets from its caller: callbacks for progress, cancellation and log, and the number of threads. No globals.
 
 #include <functional>
 #include <string>
@@ -14,7 +14,7 @@ struct Context {
   std::function<bool()> cancelled;
   /// One line for the user, without newline; may be empty.
   std::function<void(const std::string &)> log;
-  /// Worker threads, 0 = one a core. Results do not depend on it.
+  /// Number of threads, 0 = one per core. Results do not depend on it.
   int threads = 0;
 
   /// Reports progress and throws Cancelled if the user asked to stop.

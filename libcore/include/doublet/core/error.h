@@ -1,6 +1,6 @@
 #pragma once
-// Errors: broken files and impossible inputs throw doublet::Error; wrong arguments throw std::invalid_argument. Who asked to stop
-// gets doublet::Cancelled.
+// Errors: broken files and impossible inputs throw doublet::Error; wrong arguments throw std::invalid_argument; a cancelled call
+// throws doublet::Cancelled.
 // The message names the file or argument, what was expected and what was found, in one sentence.
 
 #include <exception>
@@ -21,8 +21,8 @@ public:
   using Error::Error;
 };
 
-/// The user asked to stop (Ctrl-C, or Context::cancelled returned true). Nothing that was written is lost. No Error: who catches
-/// one, to go on without a file or with the next item, does not go on after Ctrl-C.
+/// The user asked to stop (Ctrl-C, or Context::cancelled returned true). Nothing that was written is lost. Not derived from
+/// Error: code that catches Error in order to go on with the next item must not go on after Ctrl-C.
 class Cancelled : public std::exception {
 public:
   const char *what() const noexcept override { return "cancelled"; }

@@ -6,7 +6,7 @@
 namespace doublet {
 
 struct Finding {
-  bool impossible = false; ///< nothing should be built on it; otherwise it is doubtful, and only said
+  bool impossible = false; ///< the run stops; false = doubtful: it is reported, and the run goes on
   std::string text;        ///< one sentence that names expectation and finding
   std::string kind = {};   ///< a word for programs, such as "cloth_ends"; may be empty
 };

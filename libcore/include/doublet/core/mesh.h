@@ -44,6 +44,7 @@ void vertex_normals(const Vertices &vertices, const Faces &faces, Vertices &norm
 Eigen::VectorXd face_areas(const Vertices &vertices, const Faces &faces);
 /// (V) one third of the adjacent face areas, m^2.
 Eigen::VectorXd vertex_areas(const Vertices &vertices, const Faces &faces);
+/// m; 0 without edges. Throws std::invalid_argument on indices out of range.
 double mean_edge_length(const Vertices &vertices, const Faces &faces);
 
 /// Undirected edges (a < b), sorted; with the one or two faces beside each (-1 where there is none).
@@ -58,7 +59,7 @@ std::vector<std::vector<int>> vertex_neighbours(const Faces &faces, int vertex_c
 /// vertex.
 Eigen::VectorXi vertex_components(const Faces &faces, int vertex_count, int *count = nullptr);
 
-/// Rows of the cotangent Laplacian as (neighbour, weight): L = D - W with W_ij = (cot a + cot b) / 2, clamped to >= 0.
+/// Entries (row, column, value) of the cotangent Laplacian L = D - W, (V, V), with W_ij = (cot a + cot b) / 2, clamped to >= 0.
 /// Positive semi-definite; row sums are zero. Pinkall & Polthier 1993.
 struct Triplet {
   int row, col;

@@ -18,7 +18,7 @@ Vertices dual_quaternion_skinning(const Vertices &rest, const MatrixRM &weights,
 
 /// A rigid transform as unit dual quaternion: real w x y z, dual w x y z (Kavan et al. 2007, eq. 4).
 using DualQuaternion = Eigen::Matrix<double, 8, 1>;
-/// One a joint, with the sign that is nearer to its parent's; throws std::invalid_argument unless there are J transforms.
+/// (J) one per joint, with the sign that is nearer to its parent's; throws std::invalid_argument unless there are J transforms.
 void dual_quaternions(const Skeleton &skeleton, const Transforms &world_from_rest, std::vector<DualQuaternion> &joints);
 
 /// Dual quaternion skinning of one surface in many poses: the weights that are not 0 lie in a row, and once `skinned` has its

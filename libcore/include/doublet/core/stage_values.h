@@ -30,7 +30,7 @@ struct ReferencePerformance {
   std::vector<int> frames;      ///< (T) video frame numbers
 };
 
-/// What a stage asks of values that may be anybody's. Throws std::invalid_argument for wrong lengths, Error for wrong values.
+/// Checks of values that may come from other programs. Throws std::invalid_argument for wrong lengths, Error for wrong values.
 /// Usable mesh, face_valid (F), finite weights (V, J).
 void require_actor(const RiggedMesh &actor, const std::string &what);
 /// Finite frames of so many vertices.
@@ -48,10 +48,10 @@ struct FeatureMatch {
   Eigen::Vector2f previous, current; ///< pixels of the original (distorted) image at t-1 and t
 };
 
-/// What is kept of one camera's image at one frame: 2D data only (Sect. 6.2).
+/// What was measured in one camera's image at one frame: 2D data only (Sect. 6.2).
 struct ViewObservation {
   std::vector<Eigen::Vector2f>
-      contour; ///< boundary points of the measured silhouette, pixels, about one a pixel; empty = image missing
+      contour; ///< boundary points of the measured silhouette, pixels, about one per pixel; empty = image missing
   std::vector<FeatureMatch> matches; ///< features inside the silhouette matched from t-1 to t; empty at the first frame
 };
 
@@ -70,7 +70,7 @@ struct Segmentation {
   int region_count = 0;
   /// (V, 3) m: the shape that lengths and masses of the cloth come from (see Garment::rest); empty = the mesh in the scan pose.
   Vertices rest = Vertices(0, 3);
-  Eigen::VectorXd probability = {}; ///< (V) in [0, 1], of being cloth; empty = not told
+  Eigen::VectorXd probability = {}; ///< (V) in [0, 1], of being cloth; empty = not known
   Eigen::VectorXd slack = {};       ///< (V) m, how far the surface gets from the body (cloth_slack); empty = not measured
 };
 

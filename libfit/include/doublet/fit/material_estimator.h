@@ -19,8 +19,7 @@ inline constexpr std::array kSearchMethodNames{"bayesian", "cma-es", "annealing"
 
 struct FitOptions {
   std::uint64_t seed = 1;
-  /// How far the answers of several searches lie apart tells more than any one search can: each ends somewhere and calls it
-  /// narrow.
+  /// The spread of the answers of several searches shows an uncertainty that one search underestimates.
   int seeds = 1;
   int max_evaluations = 512;
   int population = 0;
@@ -95,8 +94,8 @@ struct FitOptions {
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
-/// How well the film tells a parameter, by the length of its 90 % interval: low ("a guess") above half of its box, high below a
-/// quarter.
+/// How well the video determines a parameter, by the length of its 90 % interval: low ("a guess") above half of its box, high
+/// below a quarter.
 enum class Confidence { Low, Medium, High };
 const char *confidence_name(Confidence confidence); ///< "low", "medium", "high"
 
@@ -129,8 +128,8 @@ struct RegionFit {
   std::string stop_reason;                      ///< of the one whose answer this is
   /// (n), empty without a posterior.
   std::vector<Confidence> confidence() const;
-  /// A parameter within 0.01 (box units) of a bound of its box, one that the film does not tell, one about which the searches
-  /// disagree by more than a tenth of the box.
+  /// A parameter within 0.01 (box units) of a bound of its box, one that the video does not determine, one about which the
+  /// searches disagree by more than a tenth of the box.
   std::vector<FitFinding> findings(const ParameterSpace &space) const;
 };
 
@@ -170,7 +169,7 @@ FitResult estimate_material(const CharacterSimulator &simulator, const Reference
                             const Observations &observations, double dt, const FitOptions &options = {},
                             const Context &context = {});
 
-/// (R) E_fit of one material a region. dt: s, one video frame.
+/// (R) E_fit, pixels^2, of one material per region. dt: s, one video frame. Throws as estimate_material().
 std::vector<double> material_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                                     const Observations &observations, double dt, const std::vector<pbd::Material> &materials,
                                     const EnergyOptions &options = {}, const Context &context = {});

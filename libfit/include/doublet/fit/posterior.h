@@ -1,5 +1,5 @@
 #pragma once
-// What a set of noisy energies tells about where their minimum is: how likely every answer is, not the likeliest alone.
+// How likely every answer of a minimisation is, from samples of its noisy energy.
 
 #include "doublet/core/types.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a person painted over results, as files beside them that go before what was found (docs/formats.md).
+// Corrections by hand, as files beside the results, over which they take precedence (docs/formats.md).
 
 #include "doublet/core/stage_values.h"
 #include "doublet/files/files.h"

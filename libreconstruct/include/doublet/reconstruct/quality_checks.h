@@ -1,5 +1,5 @@
 #pragma once
-// What a plausible result is: nonsense must not end in "done".
+// Limits beyond which a result is doubtful or impossible.
 
 #include "doublet/core/error.h"
 #include "doublet/core/finding.h"
@@ -11,13 +11,13 @@
 
 namespace doublet {
 
-/// A result that nothing should be built on.
+/// Thrown when a result is impossible.
 class Implausible : public Error {
 public:
   using Error::Error;
 };
 
-/// Of a number in a stage's summary, which is too low if `impossible` is below `doubtful`, otherwise too high.
+/// The limits of a number in a stage's summary: lower limits if `impossible` < `doubtful`, otherwise upper ones.
 struct Limit {
   const char *stage, *number;
   double doubtful, impossible;
@@ -27,7 +27,7 @@ struct Limit {
   std::string passed(double value) const; ///< that the number is as it should be, in words; empty if it is not
 };
 
-/// Those of good sessions are inside by far.
+/// The limits of all stages, docs/cli.md.
 std::span<const Limit> quality_limits();
 
 /// What is implausible in the summary (a JSON object as text, see Stage::run) of a stage that is done: what it found itself, and

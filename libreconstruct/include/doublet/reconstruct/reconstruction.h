@@ -27,7 +27,7 @@
 
 namespace doublet {
 
-inline constexpr const char *kRefinedCalibration = "calibration.yml"; ///< there if the take told that the session's was off
+inline constexpr const char *kRefinedCalibration = "calibration.yml"; ///< written if the take showed that the session's was off
 
 class Reconstruction;
 

@@ -18,10 +18,10 @@
 namespace doublet {
 
 struct ReconstructionOptions {
-  Path body_model;           ///< the statistical body (see BodyModel::read); asked for by the stage `body` alone
-  std::uint64_t seed = 1;    ///< of every random choice; what the groups say of seeds does not count
+  Path body_model;           ///< file of the statistical body (see BodyModel::read), for the stages `segment` and `body`
+  std::uint64_t seed = 1;    ///< of all random numbers, in the place of the seeds in the groups
   double fps = 0;            ///< of the videos; 0 = as the session says
-  bool keep_going = false;   ///< past results that cannot be true
+  bool keep_going = false;   ///< continue after results that are judged impossible
   Path configuration = {};   ///< the file that the options are from, for the record; empty = none
   TemplateOptions template_; ///< group "template"
   SilhouetteOptions silhouette;

@@ -1,5 +1,5 @@
 #pragma once
-// What a person says against what was found.
+// Corrections of a segmentation by hand.
 
 #include "doublet/core/stage_values.h"
 
@@ -9,7 +9,7 @@
 
 namespace doublet {
 
-/// What a vertex was painted with.
+/// A correction of one vertex.
 enum class CorrectionLabel {
   None = -1, ///< as it was found
   Skin = 0,

@@ -16,9 +16,9 @@ struct GarmentOptions {
   double min_hole_area = 0.02;
   double min_piece_area = 0.08;
   double min_edge_run = 0.15;
-  /// Cloth hardly stretches, but folds: an edge is as long as the video shows it in this share of the time. How much of that is
-  /// noise of the tracking, and how much of the motion the garment is spread out, differs from film to film, so that rest shapes
-  /// of several shares are offered; the material search chooses the one that moves as filmed.
+  /// Cloth hardly stretches, but folds: the rest length of an edge is the captured length that it exceeds in this share of the
+  /// frames. Which share is right depends on the noise of the tracking and on how long the motion spreads the garment out, so one
+  /// rest shape per share is made, and the material search chooses among them.
   std::vector<double> length_exceedances = {0.1, 0.15, 0.2, 0.3, 0.45};
   double attachment_width = 0.0;
   double snug_slack = 0.02;
@@ -37,11 +37,12 @@ struct GarmentOptions {
         option(&O::min_piece_area, "min_piece_area", Range{0, 10}, "m^2", "Smaller pieces move as skin",
                "28 x 28 cm, about a short sleeve"),
         option(&O::min_edge_run, "min_edge_run", Range{0, 10}, "m",
-               "Along the cut, shorter changes of what holds are ignored, and shorter waves are smoothed",
+               "Shorter stretches of the boundary take the state (attached or free) of those beside them, and shorter waves are "
+               "smoothed",
                "They are noise of the template's mask"),
         option(&O::length_exceedances, "length_exceedances", Range{0, 1, Open::Both}, "",
-               "Shares of the time in which a length may be exceeded, one a width; more is narrower",
-               "The material search answers a width, for the film tells which moves as filmed"),
+               "Shares of the frames in which an edge may be longer than at rest, one per width; larger is narrower",
+               "The material search chooses the width that moves as in the video"),
         option(&O::attachment_width, "attachment_width", Range{0, 1}, "m",
                "Width of the band across which cloth goes from attached to free; 0 = a seam"),
         option(&O::snug_slack, "snug_slack", Range{0, 1}, "m",
@@ -68,7 +69,7 @@ public:
 Garment mesh_garment(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
                      const GarmentOptions &options = {}, const Context &context = {});
 
-/// What the mesher made; log it where a number can disappoint.
+/// Numbers of a garment's mesh that can disappoint.
 struct GarmentSummary {
   int vertices = 0, faces = 0, regions = 0;
   int loops = 0;             ///< boundaries; a skirt has two

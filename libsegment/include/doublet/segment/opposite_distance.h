@@ -21,7 +21,7 @@ struct OppositeOptions {
     using O = OppositeOptions;
     return Description{
         "OppositeOptions",
-        option(&O::rays, "rays", Range{1, 64}, "", "Number of rays a vertex: the paper's, along -n, and a ring around it",
+        option(&O::rays, "rays", Range{1, 64}, "", "Number of rays per vertex: the paper's, along -n, and a ring around it",
                "The median of their deviations counts"),
         option(&O::cone, "cone", Range{0, 1.5, Open::Above}, "rad", "Half angle of the ring of rays"),
         option(&O::min_distance, "min_distance", at_least(0), "m", "Nearer hits do not count",

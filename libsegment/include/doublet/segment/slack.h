@@ -1,5 +1,5 @@
 #pragma once
-// How far cloth gets from the body: what never does is carried by it.
+// How far cloth moves away from the body. Cloth that never does is carried by the body, not simulated.
 
 #include "doublet/core/context.h"
 #include "doublet/core/mesh.h"
