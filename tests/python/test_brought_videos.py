@@ -518,6 +518,33 @@ def test_cut_outs_on_black_are_masks_however_dark_the_clothes(tmp_path):
         np.testing.assert_array_equal(mask, whole)
 
 
+@pytest.mark.parametrize("form", ["jpg", "mp4", "avi"])
+@pytest.mark.parametrize("what", ["cut-outs", "numbers", "mattes"])
+def test_what_loses_areas_below_a_half_is_no_mask(tmp_path, form, what):
+    """Of a video, or of JPEG, which blur what is black; the soft edges of mattes are a line."""
+    folder, whole = tmp_path / "cam0", 255.0 * ACTOR
+    folder.mkdir()
+    if what == "cut-outs":
+        whole *= np.kron(np.random.default_rng(1).uniform(0.15, 0.7, (HEIGHT // 8, WIDTH // 8)), np.ones((8, 8)))
+    elif what == "numbers":
+        whole[60:] *= 0.3
+    for _ in range(2 * (what == "mattes")):
+        whole = sum(np.roll(whole, move, (0, 1)) for move in [(0, 0), (0, 1), (0, -1), (1, 0), (-1, 0)]) / 5
+    images = whole.round().astype(np.uint8)
+    for n in range(3):
+        Image.fromarray(images).save(folder / f"{n}.jpg", quality=92)
+    if form != "jpg":
+        raw = ["-f", "rawvideo", "-pix_fmt", "gray", "-s", f"{WIDTH}x{HEIGHT}", "-r", 25, "-i", "-"]
+        codec = {"mp4": "libx264", "avi": "mjpeg"}[form]
+        ffmpeg(*raw, "-c:v", codec, "-q:v", 3, "-pix_fmt", "yuvj420p", tmp_path / f"a.{form}", data=images.tobytes() * 3)
+    path, files = (folder, tuple(sorted(folder.iterdir()))) if form == "jpg" else (tmp_path / f"a.{form}", ())
+    if what == "mattes":
+        assert all((mask & ACTOR).sum() / (mask | ACTOR).sum() > 0.97 for mask in read_masks(path, files).masks())
+        return
+    with pytest.raises(ValueError, match=r"expected masks in black and white, found areas darker than half in \d+ %"):
+        read_masks(path, files)
+
+
 @pytest.mark.parametrize(("values", "form"), [((38, 75, 113), "png"), ((60, 200), "png"), ((255, 255), "jpg")])
 def test_greys_below_a_half_are_objects_where_they_fill_areas(tmp_path, values, form):
     """DAVIS's red, green and olive as grey; parts of a person, one of them dark; the traces of a JPEG are none of them."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ HALF = 127  #: what is brighter is the actor, or else is not
 AREA = 0.2  #: of the pixels of an area at least have all their neighbours in it
 NOISE = 8  #: what is darker, and not 0, are traces of a JPEG
 MOST_SHOWN, TRACES = 0.7, 0.05  #: share of cut-outs that is not black; share of that which is nearly
+TRACE, MOST_LOST = 32, 0.25  #: what is darker is black to a video; share of what is bright that may be dark, on the edges
 BLACK = 16  #: what is darker in all channels is black, and what differs by less is grey
 MOST_GAPS = 2  #: how often somebody may leave the picture and come back
 KINDS = {
@@ -57,18 +60,33 @@ def read_masks(path: Path, images: tuple[Path, ...] = ()) -> ExternalMasks:
     """A video, or the images of a series. Raises FileNotFoundError or RuntimeError naming the file."""
     if not images:
         video = read_video(path)
-        return ExternalMasks(video, "alpha" if video.alpha is not None and is_used(video) else "grey")
+        if video.alpha is not None and any((frame < 255).any() for frame in first_frames(video, alpha=True, grey=True)):
+            return ExternalMasks(video, "alpha")  # whatever colours are below it
+        require_masks([frame.max(axis=2) for frame in first_frames(video)], path)
+        return ExternalMasks(video, "grey")
     chosen = np.unique(np.linspace(0, len(images) - 1, LOOKED_AT).round().astype(int))
-    return ExternalMasks(ImageSeries(path, images, fps=1), kind_of([read_image(images[i]) for i in chosen]))
+    looked = [read_image(images[i]) for i in chosen]
+    kind = kind_of(looked)
+    if kind == "grey" and not any(image.mode == "F" for image in looked):  # shares of certainty say themselves what is none
+        require_masks([brightness(seen(image)) for image in looked], path)
+    return ExternalMasks(ImageSeries(path, images, fps=1), kind)
 
 
-def is_used(video: VideoFile) -> bool:
-    """Is anything in the alpha channel transparent? Then it is the mask, whatever colours are below it."""
-    frames = video.frames(video.size, alpha=True, grey=True)
-    try:
-        return any((frame < 255).any() for frame, _ in zip(frames, range(LOOKED_AT)))
-    finally:
-        frames.close()
+def first_frames(video: VideoFile, **wanted) -> Iterator[np.ndarray]:
+    with closing(video.frames(video.size, **wanted)) as frames:
+        yield from islice(frames, LOOKED_AT)
+
+
+def require_masks(values: list[np.ndarray], path: Path) -> None:
+    """Raises ValueError where parts of somebody are not brighter than half and would be lost: of cut-outs on black in a video or
+    a JPEG, or of dark numbers of objects there."""
+    dark = [(image > TRACE) & (image <= HALF) for image in values]
+    lost, kept = (sum(int(part.sum()) for part in parts) for parts in (dark, [image > HALF for image in values]))
+    if lost > MOST_LOST * kept and fill_areas(dark):
+        found = f"found areas darker than half in {100 * lost / (lost + kept):.0f} % of what is not black"
+        raise ValueError(
+            f"{path}: expected masks in black and white, {found}; PNG may have cut-outs, or numbers or colours of objects"
+        )
 
 
 def kind_of(images: list[Image.Image]) -> str:
@@ -117,9 +135,13 @@ def are_numbers(images: list[np.ndarray]) -> bool:
     found = np.unique(np.concatenate([image[::5, ::5].ravel() for image in images]))
     if len(found) > MOST_NUMBERS or found[0] > 0 or any(((image > 0) & (image < NOISE)).any() for image in images):
         return False
-    dark = [(image > 0) & (image <= HALF) for image in images]
-    within = [d[1:-1, 1:-1] & d[:-2, 1:-1] & d[2:, 1:-1] & d[1:-1, :-2] & d[1:-1, 2:] for d in dark]
-    return sum(int(w.sum()) for w in within) > AREA * sum(int(d.sum()) for d in dark)
+    return fill_areas([(image > 0) & (image <= HALF) for image in images])
+
+
+def fill_areas(chosen: list[np.ndarray]) -> bool:
+    """Do pixels fill areas? On the edges of a mask they are a line."""
+    within = [c[1:-1, 1:-1] & c[:-2, 1:-1] & c[2:, 1:-1] & c[1:-1, :-2] & c[1:-1, 2:] for c in chosen]
+    return sum(int(w.sum()) for w in within) > AREA * sum(int(c.sum()) for c in chosen)
 
 
 def is_coloured(image: Image.Image) -> bool:
