@@ -234,6 +234,19 @@ def test_pixels_that_are_not_square_squeeze_the_calibration(tmp_path):
         new_session(Request([tmp_path / "films"], None, tmp_path / "other", keypoints=tmp_path / "seen"))
 
 
+@pytest.mark.parametrize("codec", [("libx264", "mp4"), ("mpeg2video", "mts")])
+def test_interlaced_video_is_doubtful(tmp_path, codec):
+    """As camcorders film: 50 half images a second in 25 frames."""
+    name, ending = codec
+    for c in range(CAMERAS):
+        fields = ["-c:v", name, *(("-vf", "setfield=tff", "-flags", "+ilme+ildct") if c == 1 else ())]
+        film(tmp_path / f"films/cam{c}.{ending}", range(6), *fields)
+    d.write_calibration(tmp_path / "calibration.yml", rig())
+    made = new_session(Request([tmp_path / "films"], tmp_path / "calibration.yml", tmp_path / "new", sync="none"))
+    (said,) = [finding.text for finding in made.findings if "interlaced" in finding.text]
+    assert said.startswith("cam1: expected whole frames, found interlaced video") and "ffmpeg -i IN -vf bwdif" in said
+
+
 # --- series of images
 
 

@@ -30,6 +30,7 @@ class ImageSeries:
     rotation = 0
     sound_start = None
     alpha = None
+    interlaced = False
 
     @cached_property
     def numbers(self) -> np.ndarray:

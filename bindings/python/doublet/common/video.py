@@ -20,12 +20,13 @@ from .programs import as_file, ffmpeg
 
 #: What ffprobe is asked: the stream as it is stored, how it is to be turned, and the time of every frame.
 PROBED = (
-    "format=format_name:stream=codec_name,pix_fmt,width,height,sample_aspect_ratio,nb_frames,avg_frame_rate"
+    "format=format_name:stream=codec_name,pix_fmt,width,height,sample_aspect_ratio,field_order,nb_frames,avg_frame_rate"
     ":stream_tags=rotate,alpha_mode"
     ":stream_side_data=rotation:packet=pts_time,flags"
 )
 WITH_ALPHA = re.compile(r"yuva|gbrap|rgba|argb|abgr|bgra|ya8|ya16|pal8")  #: pixel formats
 ALPHA_DECODERS = {"vp8": "libvpx", "vp9": "libvpx-vp9"}  #: ffmpeg's own ones leave the second stream aside
+HALVES = ("tt", "bb", "tb", "bt")  #: orders of fields; all others are whole frames
 NO_FFMPEG = "the program ffmpeg is not installed; a video needs it (apt install ffmpeg, or pip install imageio-ffmpeg)"
 EVEN = 0.1  #: of a frame, by which the times of one rate may be rounded
 ROUNDED = 1e-6  #: of a frame's time, by which its number may be off
@@ -45,6 +46,7 @@ class VideoFile:
     counted: bool = True  # its frames are those that the container says, from the first on: any reader finds them by number
     alpha: str | None = None  # it has an alpha channel, which this decoder reads; empty = any
     aspect: float = 1.0  # width of a stored pixel, in heights
+    interlaced: bool = False  # every second line of a frame is half a frame later
 
     @property
     def size(self) -> tuple[int, int]:
@@ -138,6 +140,7 @@ def read_video(path: Path) -> VideoFile:
         timed and len(times) == len(packets) and stated in (0, len(packets)),
         alpha_of(stream),
         aspect_of(stream.get("sample_aspect_ratio", "")),
+        stream.get("field_order") in HALVES,
     )
 
 

@@ -12,7 +12,7 @@ from ..common.files import folder_written_atomically
 from . import calibrate, check, synchronise
 from .filmed_cameras import filmed_cameras
 from .keypoints import filmed_keypoints
-from .request import Request
+from .request import FilmedCamera, Request
 from .session_writer import write_cameras, write_session
 from .timing import common_rate, found_offsets, say_frames
 
@@ -36,6 +36,7 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
     refuse_existing(request)
     calibrate.require_one_way(request)
     cameras = filmed_cameras(request, console, messages)
+    findings += doubtful_frames(cameras)
     fps = common_rate(request, cameras, messages)
     offsets = found_offsets(request, cameras, fps, console, messages, findings)
     sources, names = [camera.source for camera in cameras], [camera.name for camera in cameras]
@@ -57,6 +58,13 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
             session = d.Session(folder)
         findings += check.check_and_draw(session, frames, extractor, folder / PICTURE).findings
     return NewSession(request.out, messages, findings)
+
+
+def doubtful_frames(cameras: list[FilmedCamera]) -> list[d.Finding]:
+    """Of cameras whose files say that their frames are two half images, whatever is in them."""
+    halves = ", ".join(camera.name for camera in cameras if camera.source.interlaced)
+    text = f"{halves}: expected whole frames, found interlaced video, whose outlines are combs where something moves"
+    return [d.Finding(False, f"{text}; ffmpeg -i IN -vf bwdif=mode=send_frame OUT.mp4 makes whole ones")] if halves else []
 
 
 def inputs(request: Request) -> list[Path]:
