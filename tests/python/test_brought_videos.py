@@ -643,6 +643,48 @@ def test_mmpose_writes_a_list_of_people_for_each_image(tmp_path):
     assert [found.of(t)[0, 0] for t in range(3)] == [7, 0, 9]
 
 
+#: What MMPose calls the points of its datasets, in their order.
+NAMED = {
+    "Human3.6M": "root right_hip right_knee right_foot left_hip left_knee left_foot spine thorax neck_base head left_shoulder "
+    "left_elbow left_wrist right_shoulder right_elbow right_wrist",
+    "MPII": "right_ankle right_knee right_hip left_hip left_knee left_ankle pelvis thorax upper_neck head_top right_wrist "
+    "right_elbow right_shoulder left_shoulder left_elbow left_wrist",
+}
+
+
+@pytest.mark.parametrize("form", ["of a video", "of images"])
+@pytest.mark.parametrize("dataset", NAMED)
+def test_points_are_what_their_file_calls_them(tmp_path, dataset, form):
+    """As MMPose's demos write it; Human3.6M has 17 points as COCO, in another order."""
+    names = NAMED[dataset].split()
+    person = {"keypoints": [[k + 1.0, 2 * k + 1.0] for k in range(len(names))], "keypoint_scores": [0.9] * len(names)}
+    meta = {"dataset_name": dataset, "keypoint_name2id": {name: k for k, name in enumerate(names)}}
+    if form == "of a video":
+        frames = [{"frame_id": n, "instances": [person]} for n in range(2)]
+        (tmp_path / "cam0.json").write_text(json.dumps({"meta_info": meta, "instance_info": frames}))
+    else:
+        (tmp_path / "cam0").mkdir()
+        for n in range(2):
+            (tmp_path / f"cam0/{n:06d}.json").write_text(json.dumps({"meta_info": meta, "instance_info": [person]}))
+    (found,) = read_keypoints(tmp_path, ["cam0"], [2], [(64, 48)])
+    ankle = "foot" if dataset == "Human3.6M" else "ankle"
+    order = [f"{side}_{part}" for part in ("shoulder", "elbow", "wrist", "hip", "knee", ankle) for side in ("left", "right")]
+    np.testing.assert_array_equal(found.of(1)[:, 0], [names.index(name) + 1 for name in order])
+
+
+def test_points_that_a_file_leaves_out_are_named(tmp_path):
+    content = {"meta_info": {"keypoint_name2id": {"nose": 0, "left_hip": 1}}, "instance_info": []}
+    (tmp_path / "cam0.json").write_text(json.dumps(content))
+    with pytest.raises(ValueError, match=r"cam0\.json: expected points named left_shoulder, .*, found nose, left_hip"):
+        read_keypoints(tmp_path, ["cam0"], [2], [(64, 48)])
+
+
+@pytest.mark.parametrize("count", [70, 308])
+def test_points_of_sapiens_are_told_by_their_number(count):
+    points = [[k, 2 * k, 0.9] for k in range(count)]
+    np.testing.assert_array_equal(joints_of([points], Path("a"))[:, 0], [5, 6, 7, 8, 62, 41, 9, 10, 11, 12, 13, 14])
+
+
 def test_the_only_file_of_a_camera_may_lie_in_its_folder(tmp_path):
     """As AlphaPose and MMPose write it into the folder that they are given."""
     names = ["cam0", "cam1", "cam2"]

@@ -22,14 +22,17 @@ from .camera_files import VIDEOS, CameraFile, match, visible
 JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
 #: Index of JOINTS in the lists that programs write, told apart by their length.
 _COCO = (5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
+_GOLIATH = (5, 6, 7, 8, 62, 41, 9, 10, 11, 12, 13, 14)
 LAYOUTS = {
     17: _COCO,
     18: (5, 2, 6, 3, 7, 4, 11, 8, 12, 9, 13, 10),  # OpenPose COCO
     25: (5, 2, 6, 3, 7, 4, 12, 9, 13, 10, 14, 11),  # OpenPose BODY_25
     26: _COCO,  # Halpe: COCO and feet
     33: (11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28),  # MediaPipe
+    70: _GOLIATH,  # SAM 3D Body
     133: _COCO,  # COCO whole body
     136: _COCO,  # Halpe with face and hands
+    308: _GOLIATH,  # Sapiens
 }
 LEAST_AGREED = 6  #: of JOINTS
 SURE = 0.3  #: confidence from which a joint counts
@@ -157,9 +160,8 @@ def file_of_all(path: Path) -> Path:
 
 def is_of_video(content) -> bool:
     """Frames, not the people of one."""
-    if isinstance(content, dict):
-        return "instance_info" in content
-    entries = content if isinstance(content, list) else []
+    entries = content.get("instance_info") if isinstance(content, dict) else content
+    entries = entries if isinstance(entries, list) else []
     return bool(entries) and all(isinstance(entry, dict) and ("image_id" in entry or "frame_id" in entry) for entry in entries)
 
 
@@ -194,13 +196,14 @@ class CameraKeypoints:
     file that has none."""
 
     def __init__(self, path: Path, size: tuple[int, int]):
-        self.path, self.size = path, size
+        self.path, self.size, self.layout = path, size, None
         if path.is_dir():
             self.frames = in_order(files_of_frames(path))
             names = [file.stem for file in self.frames]
             self.stated, numbers = rising(numbers_of(names)), counted(names)
         else:
-            self.frames = frames_of(read_json(path), path)
+            content = read_json(path)
+            self.frames, self.layout = frames_of(content, path), named_layout(content, path)
             self.stated = rising([found.get("frame_id") if isinstance(found, dict) else None for found in self.frames])
             numbers = self.stated
         self.numbers = np.array(numbers, dtype=np.int64) - min(numbers, default=0)
@@ -233,8 +236,11 @@ class CameraKeypoints:
         found = np.flatnonzero(self.numbers == frame)
         what = self.frames[found[0]] if len(found) else []
         if not isinstance(what, Path):
-            return joints_of(people_of(what), self.path)
-        return joints_of(labelled(what, self.size) if what.suffix == ".txt" else people_of(read_json(what)), what)
+            return joints_of(people_of(what), self.path, self.layout)
+        if what.suffix == ".txt":
+            return joints_of(labelled(what, self.size), what)
+        content = read_json(what)
+        return joints_of(people_of(content), what, named_layout(content, what))
 
 
 def rising(numbers: list) -> list[int]:
@@ -248,6 +254,22 @@ def frames_of(content, path: Path) -> Sequence:
     if not isinstance(frames, list):
         raise ValueError(f"{path}: expected keypoints ({FORMATS}), found something else")
     return by_image(frames) if frames and all(isinstance(frame, dict) and "image_id" in frame for frame in frames) else frames
+
+
+def named_layout(content, path: Path) -> tuple[int, ...] | None:
+    """Index of JOINTS in the lists of a program that says what its points are, as MMPose does; None = it does not. Human3.6M has
+    as many as COCO, in another order, and calls the ankle a foot. Raises ValueError where some have no name."""
+    meta = content.get("meta_info") if isinstance(content, dict) else None
+    ids = meta.get("keypoint_name2id") if isinstance(meta, dict) else None
+    if not isinstance(ids, dict):
+        return None
+    names = [f"{'left' if joint[0] == 'l' else 'right'}_{joint[2:]}" for joint in JOINTS]
+    found = [ids.get(name, ids.get(name.replace("ankle", "foot"))) for name in names]
+    if all(index is None for index in found):
+        return None
+    if not all(isinstance(index, int) and index >= 0 for index in found):
+        raise ValueError(f"{path}: expected points named {', '.join(names)}, found {', '.join(map(str, ids))[:200]}")
+    return tuple(found)
 
 
 def by_image(people: list[dict]) -> list[dict]:
@@ -266,8 +288,10 @@ def people_of(found) -> list:
     if isinstance(found, dict) and isinstance(found.get("people"), list):  # OpenPose
         flat = [list_in(person, "pose_keypoints_2d") for person in found["people"] if isinstance(person, dict)]
         return [[numbers[i : i + 3] for i in range(0, len(numbers), 3)] for numbers in flat if numbers]
+    if isinstance(found, dict) and isinstance(found.get("instance_info"), list):  # MMPose, Sapiens, of an image
+        found = found["instance_info"]
     if isinstance(found, list) and any(isinstance(person, dict) and "keypoint_scores" in person for person in found):
-        found = {"instances": found}  # MMPose, of an image
+        found = {"instances": found}
     if isinstance(found, dict) and isinstance(found.get("instances"), list):  # RTMPose, MMPose
         people = [p for p in found["instances"] if isinstance(p, dict)]
         scored = [zip(list_in(p, "keypoints"), list_in(p, "keypoint_scores")) for p in people]
@@ -299,8 +323,8 @@ def list_in(person: dict, key: str) -> list:
     return numbers if isinstance(numbers, list) else []
 
 
-def joints_of(people: list, path: Path) -> np.ndarray:
-    """Of the person with the most confidence."""
+def joints_of(people: list, path: Path, layout: tuple[int, ...] | None = None) -> np.ndarray:
+    """Of the person with the most confidence; `layout`: where JOINTS are, if the file says it."""
     best = np.zeros((len(JOINTS), 3))
     for person in people:
         if isinstance(person, dict):
@@ -309,10 +333,11 @@ def joints_of(people: list, path: Path) -> np.ndarray:
             points = np.array(person, float)
         except (TypeError, ValueError):
             points = np.zeros(0)
-        if points.ndim != 2 or points.shape[1] < 3 or len(points) not in LAYOUTS:
-            counts = ", ".join(map(str, LAYOUTS))
+        chosen = layout or LAYOUTS.get(len(points), (len(points),))
+        if points.ndim != 2 or points.shape[1] < 3 or max(chosen) >= len(points):
+            counts = f"more than {max(chosen)}" if layout else ", ".join(map(str, LAYOUTS))
             raise ValueError(f"{path}: expected {counts} keypoints of x, y and confidence, found {points.shape}")
-        joints = points[list(LAYOUTS[len(points)])][:, [0, 1, -1]]
+        joints = points[list(chosen)][:, [0, 1, -1]]
         joints[~np.isfinite(joints).all(axis=1)] = 0  # NaN, null: not found
         if joints[:, 2].sum() > best[:, 2].sum():
             best = joints
