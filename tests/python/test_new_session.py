@@ -471,6 +471,8 @@ def names(cameras, files, given=None):
         (["left", "right"], ["Dance-Left.mp4", "Dance-Right.mp4"]),
         (["int_cam01_img", "int_cam02_img"], ["cam01.mp4", "cam02.mp4"]),
         (["c7", "c12"], ["view_007.mp4", "view_012.mp4"]),  # only the numbers agree
+        (["cam11139", "cam9140"], ["Walk1_Miqus_1_11139.avi", "Walk1_Miqus_2_9140.avi"]),  # serial numbers, as QTM has them
+        (["a", "b", "c"], ["cam_a.mp4", "cam_b.mp4", "cam_c.mp4"]),
     ],
 )
 def test_names_tell(cameras, files):

@@ -180,7 +180,9 @@ def is_same(camera: str, name: str) -> bool:
 
 
 def contains(whole: str, part: str) -> bool:
-    """cam1 is in take2_cam1, not in cam10."""
+    """cam1 is in take2_cam1, not in cam10, and a is in cam_a alone."""
+    if len(part) == 1 and part.isalpha():
+        return bool(re.search(rf"(?<![a-z]){part}(?![a-z])", whole))
     return bool(re.search(rf"(?<!\d){re.escape(part)}(?!\d)" if part[:1].isdigit() else rf"{re.escape(part)}(?!\d)", whole))
 
 
@@ -200,11 +202,13 @@ def same_name(cameras, files):
 
 
 def contained_name(cameras, files):
-    return only_pairs(
-        cameras,
-        files,
-        lambda camera, name: contains(plain_name(name), plain_name(camera)) or contains(plain_name(camera), plain_name(name)),
-    )
+    """A serial number, too, is in a file's name without the `cam` that calibrations put before it."""
+
+    def fits(camera: str, name: str) -> bool:
+        known, name = re.sub(r"^cam(?=\d{4,}$)", "", plain_name(camera)), plain_name(name)
+        return contains(name, known) or contains(known, name)
+
+    return only_pairs(cameras, files, fits)
 
 
 def by_numbers(cameras, files):
