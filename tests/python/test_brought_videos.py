@@ -282,6 +282,26 @@ def test_a_folder_of_a_camera_holds_one_series(tmp_path):
     assert shown(session_of(tmp_path, fps=25)) == [[0, 1, 2]] * CAMERAS
 
 
+def test_the_images_of_a_series_have_one_size(tmp_path):
+    for c in range(CAMERAS):
+        save_series(tmp_path / f"films/cam{c}", range(4))
+    Image.fromarray(picture(2)[::2, ::2]).save(tmp_path / "films/cam1/000103.png")
+    with pytest.raises(
+        ValueError, match=r"cam1/000103\.png: expected an image of 160 and 120 pixels as 000101\.png is, found 80 and 60"
+    ):
+        session_of(tmp_path, fps=25)
+
+
+def test_what_is_said_of_a_new_session_names_it(tmp_path):
+    """And not the folder in which it is made."""
+    for c in range(CAMERAS):
+        (tmp_path / f"films/cam{c}").mkdir(parents=True)
+        for n in range(3):
+            Image.new("RGB", (WIDTH, HEIGHT), (200, 30, 30)).save(tmp_path / f"films/cam{c}/{n:04d}.png")
+    with pytest.raises(ValueError, match=f"^{tmp_path}/new: camera 'cam0' shows nothing in any of the frames looked at"):
+        session_of(tmp_path, fps=25)
+
+
 def test_of_16_bits_the_upper_eight_are_seen(tmp_path):
     """In clean plates and in what tells when cameras began, as in the frames that the library reads."""
     ramp = np.tile(np.linspace(0, 65535, WIDTH).astype(np.uint16), (HEIGHT, 1))

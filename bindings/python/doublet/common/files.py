@@ -66,10 +66,11 @@ def folder_written_atomically(path: Path):
             raise
         name = str(error.filename or named).replace(str(beside), str(named))
         raise OSError(error.errno, f"cannot be written: {error.strerror.removeprefix('cannot be written: ')}", name) from error
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:
         if str(beside) not in str(error):
             raise
-        raise RuntimeError(str(error).replace(str(beside), str(named))) from error
+        kind = RuntimeError if isinstance(error, RuntimeError) else ValueError
+        raise kind(str(error).replace(str(beside), str(named))) from error
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 

@@ -137,6 +137,12 @@ def is_turned(path: Path) -> bool:
         return image.format not in ("JPEG", "MPO") and image.getexif().get(ORIENTATION, 1) not in (0, 1)
 
 
+def sides_of(path: Path) -> list[int]:
+    """The shorter and the longer one, px, whatever EXIF data turn, without decoding the image."""
+    with opened(path) as image:
+        return sorted(image.size)
+
+
 def read_image(path: Path) -> Image.Image:
     """Decoded, and turned as its EXIF data say. Raises RuntimeError naming the file if that is not possible."""
     with opened(path) as image:

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.console import Console
-from ..common.images import ImageSeries, clock_step, numbers_of
+from ..common.images import ImageSeries, clock_step, numbers_of, sides_of
 from ..common.video import VideoFile, read_video
 from .camera_files import CameraFile, is_given, list_files, match
 from .external_masks import KINDS, ExternalMasks, read_masks, require_count, require_size
@@ -100,6 +100,11 @@ def read_source(file: CameraFile, fps: float | None) -> VideoFile | ImageSeries:
     suffixes = sorted({image.suffix for image in file.images})
     if len({SPELLED.get(suffix.lower(), suffix.lower()) for suffix in suffixes}) > 1:
         raise ValueError(f"{file.path}: expected images of one format, found {', '.join(suffixes)}")
+    sides = sides_of(file.images[0])
+    for image in file.images:
+        if (found := sides_of(image)) != sides:
+            expected = f"expected an image of {sides[1]} and {sides[0]} pixels as {file.images[0].name} is"
+            raise ValueError(f"{image}: {expected}, found {found[1]} and {found[0]}")
     return ImageSeries(file.path, file.images, fps)
 
 
