@@ -53,6 +53,18 @@ def test_one_motion_in_every_form(tmp_path, form):
     assert found.joint_names == [name for name, _, _ in JOINTS]
 
 
+def test_the_only_one_of_several_people_is_read(tmp_path):
+    """As programs write it that follow people through a video."""
+    parts = {"root_orient": VECTORS[:, 0], "pose_body": VECTORS[:, 1:22].reshape(FRAMES, -1)}
+    expected = read(tmp_path / "a.npz", **parts)
+    for people in (1, 2):
+        of_all = {name: np.stack([part] * people) for name, part in {**parts, "trans": np.zeros((FRAMES, 3))}.items()}
+        np.savez(tmp_path / f"{people}.npz", fps=30, seq_name=np.array({"a": 1}, dtype=object), **of_all)
+    np.testing.assert_array_equal(read_smpl_motion(tmp_path / "1.npz").positions, expected.positions)
+    with pytest.raises(ValueError, match=r"2\.npz: expected poses of one person, found 'trans' of shape \(2, 6, 3\); choose one"):
+        read_smpl_motion(tmp_path / "2.npz")
+
+
 @pytest.mark.parametrize(
     "poses",
     [

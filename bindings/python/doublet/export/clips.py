@@ -144,6 +144,7 @@ def read_smpl_motion(path: Path) -> d.SourceMotion:
 
 def smpl_motion(path: Path, file) -> d.SourceMotion:
     """The same of a file that is open."""
+    file = of_one_person(path, file)
     local = rotations_of(path, file)
     count = len(local)
     local = np.concatenate([local, np.tile([1.0, 0, 0, 0], (count, len(JOINTS) - TURNING, 1))], axis=1)
@@ -171,6 +172,17 @@ def upright_from(up: np.ndarray) -> np.ndarray:
 
 
 # --- arrays
+
+
+def of_one_person(path: Path, file):
+    """Without the axis of people that some programs write before that of frames, to which the root's place has one too many."""
+    name = next((name for name in PLACES if name in file), None)
+    if name is None or np.ndim(file[name]) != 3:
+        return file
+    if len(file[name]) != 1:
+        raise ValueError(f"{path}: expected poses of one person, found '{name}' of shape {file[name].shape}; choose one")
+    used = {name: file[name] for name in {*PLACES, *RATES, *(name for names in POSES for name in names)} if name in file}
+    return {**dict.fromkeys(file), **{name: array[0] if array.ndim > 2 else array for name, array in used.items()}}
 
 
 def rotations_of(path: Path, file) -> np.ndarray:
