@@ -73,8 +73,9 @@ def test_the_only_one_of_several_people_is_read(tmp_path):
         np.random.default_rng(1).normal(size=(FRAMES, 24, 3, 3)),
         np.zeros((FRAMES, 96)),  # quaternions
         -MATRICES,
+        np.float64(3),
     ],
-    ids=["six in rows", "six of a network", "no rotations", "quaternions", "mirrors"],
+    ids=["six in rows", "six of a network", "no rotations", "quaternions", "mirrors", "one number"],
 )
 def test_what_is_no_rotation_is_refused(tmp_path, poses):
     with pytest.raises(

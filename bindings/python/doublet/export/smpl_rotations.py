@@ -40,7 +40,7 @@ def are_degrees(angles: np.ndarray) -> bool:
 
 def doubt_about(rows: list[np.ndarray]) -> str:
     """Why such numbers are not read."""
-    count = sum(row.shape[-1] for row in rows)
+    count = sum(row.shape[-1] for row in rows if row.ndim > 0)
     if count in AXIS_ANGLES and all(row.ndim == 2 and len(row) == len(rows[0]) for row in rows):
         return "; a joint is turned by more than two turns, as if these were degrees"
     return (
