@@ -663,6 +663,24 @@ def test_mmpose_writes_a_list_of_people_for_each_image(tmp_path):
     assert [found.of(t)[0, 0] for t in range(3)] == [7, 0, 9]
 
 
+@pytest.mark.parametrize("program", ["EasyMocap", "OpenPifPaf"])
+def test_people_of_an_image_with_their_points(tmp_path, program):
+    (tmp_path / "cam0").mkdir()
+    for n in range(3):
+        rows = [[k + n + 1.0, 2 * k + 1.0, 0.9] for k in range(25 if program == "EasyMocap" else 17)]
+        if program == "EasyMocap":
+            name, content = (
+                f"{n:06d}.json",
+                {"filename": f"images/cam0/{n:06d}.jpg", "annots": [{"personID": 0, "keypoints": rows}]},
+            )
+        else:
+            people = [{"keypoints": sum(rows, []), "category_id": 1}, {"keypoints": []}]
+            name, content = f"{n:06d}.jpg.predictions.json", people
+        (tmp_path / "cam0" / name).write_text(json.dumps(content))
+    (found,) = read_keypoints(tmp_path, ["cam0"], [3], [(640, 480)])
+    assert [found.of(n)[0, 0] for n in range(3)] == [6, 7, 8]
+
+
 #: What MMPose calls the points of its datasets, in their order.
 NAMED = {
     "Human3.6M": "root right_hip right_knee right_foot left_hip left_knee left_foot spine thorax neck_base head left_shoulder "

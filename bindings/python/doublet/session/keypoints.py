@@ -286,8 +286,9 @@ def by_image(people: list[dict]) -> list[dict]:
 def people_of(found) -> list:
     """(K, 3) of everybody in a frame, whoever wrote it; the shape is looked at later."""
     if isinstance(found, dict) and isinstance(found.get("people"), list):  # OpenPose
-        flat = [list_in(person, "pose_keypoints_2d") for person in found["people"] if isinstance(person, dict)]
-        return [[numbers[i : i + 3] for i in range(0, len(numbers), 3)] for numbers in flat if numbers]
+        return rows_of([person for person in found["people"] if isinstance(person, dict)], "pose_keypoints_2d")
+    if isinstance(found, dict) and isinstance(found.get("annots"), list):  # EasyMocap
+        found = found["annots"]
     if isinstance(found, dict) and isinstance(found.get("instance_info"), list):  # MMPose, Sapiens, of an image
         found = found["instance_info"]
     if isinstance(found, list) and any(isinstance(person, dict) and "keypoint_scores" in person for person in found):
@@ -296,7 +297,16 @@ def people_of(found) -> list:
         people = [p for p in found["instances"] if isinstance(p, dict)]
         scored = [zip(list_in(p, "keypoints"), list_in(p, "keypoint_scores")) for p in people]
         return [[[*xy, score] for xy, score in points if isinstance(xy, list)] for points in scored]
+    if isinstance(found, list) and found and all(isinstance(person, dict) and "keypoints" in person for person in found):
+        return rows_of(found, "keypoints")  # of an image: EasyMocap, OpenPifPaf
     return [found] if found else []
+
+
+def rows_of(people: list[dict], key: str) -> list:
+    """x, y and confidence of each point, which many programs write one behind the other; without people of no points."""
+    lists = [list_in(person, key) for person in people]
+    flat = [not any(isinstance(number, list) for number in numbers) for numbers in lists]
+    return [[n[i : i + 3] for i in range(0, len(n), 3)] if f else n for n, f in zip(lists, flat) if n]
 
 
 def labelled(path: Path, size: tuple[int, int]) -> list[np.ndarray]:
