@@ -532,6 +532,32 @@ TEST_F(CalibrationFiles, MatricesAsListsOfRows) {
   expect_refused(folder / "cam0.json", {"expected T", "found none"});
 }
 
+TEST_F(CalibrationFiles, SeveralCamerasInOneFile) {
+  const auto truth = ring(kOurs, kFive);
+  std::string by_name, listed;
+  for (const Truth &c : truth) {
+    const std::string entry = "\"image_size\": [" + std::to_string(c.width) + ", " + std::to_string(c.height) + "], \"K\": [" +
+                              list(K_of(c)) + "], \"dist\": [" + list(c.terms) + "], \"R\": [" + list(rows(c.R)) + "], \"t\": [" +
+                              list(flat(c.t)) + "]}";
+    by_name += (by_name.empty() ? "" : ", ") + ("\"" + c.name + "\": {") + entry;
+    listed += (listed.empty() ? "" : ", ") + ("{\"name\": \"" + c.name + "\", ") + entry;
+  }
+  for (const std::string &text :
+       {"{" + by_name + "}", "{\"date\": \"today\", \"cameras\": {" + by_name + "}}", "{\"cameras\": [" + listed + "]}"}) {
+    write_text(folder / "cameras.json", text);
+    expect_same(read_calibration(folder / "cameras.json"), truth, kOurs);
+  }
+  replace("cameras.json", "\"K\": [", "\"K\": [1, ");
+  expect_refused(folder / "cameras.json", {"camera_matrix", "9 numbers", "found 10"});
+  write_text(folder / "cameras.json", "{\"fl_x\": 1000.0, \"frames\": []}");
+  expect_refused(folder / "cameras.json", {"camera_matrix, R and T", "found fl_x, frames"});
+}
+
+TEST_F(CalibrationFiles, YamlOfAnotherProgram) {
+  write_text(folder / "cam0.yaml", "K:\n- - 1000.0\n  - 0.0\n");
+  expect_refused(folder.path(), {"cam0.yaml", "begins with %YAML", "json.dump"});
+}
+
 TEST_F(CalibrationFiles, DamagedOpenCV) {
   const auto truth = ring(kOurs, kFive);
   const auto with = [&](const std::string &old, const std::string &now) {

@@ -92,16 +92,20 @@ CalibratedCamera doublet_camera(const cv::FileStorage &storage, const std::strin
 
 // --- one camera a file
 
-cv::FileNode first_of(const cv::FileStorage &storage, Keys keys) {
-  for (const char *key : keys)
-    if (const cv::FileNode node = storage[key]; !node.empty())
-      return node;
+constexpr Keys kMatrixKeys = {"camera_matrix", "Camera_Matrix", "cameraMatrix", "intrinsic_matrix", "intrinsics", "K", "M"};
+
+/// `map`: a file's, or that of a camera in it.
+cv::FileNode first_of(const cv::FileNode &map, Keys keys) {
+  if (map.isMap())
+    for (const char *key : keys)
+      if (const cv::FileNode node = map[key]; !node.empty())
+        return node;
   return {};
 }
 
-std::vector<double> required(const cv::FileStorage &storage, Keys keys, std::initializer_list<std::size_t> counts,
+std::vector<double> required(const cv::FileNode &map, Keys keys, std::initializer_list<std::size_t> counts,
                              const std::string &where) {
-  const std::vector<double> numbers = numbers_of(first_of(storage, keys));
+  const std::vector<double> numbers = numbers_of(first_of(map, keys));
   if (std::find(counts.begin(), counts.end(), numbers.size()) != counts.end())
     return numbers;
   std::string expected;
@@ -112,12 +116,12 @@ std::vector<double> required(const cv::FileStorage &storage, Keys keys, std::ini
 }
 
 /// The size in keys of its own or in one list; 0 if there is none.
-ImageSize size_in(const cv::FileStorage &storage, Keys widths, Keys heights, Keys both) {
-  const cv::FileNode width = first_of(storage, widths), height = first_of(storage, heights);
+ImageSize size_in(const cv::FileNode &map, Keys widths, Keys heights, Keys both) {
+  const cv::FileNode width = first_of(map, widths), height = first_of(map, heights);
   const auto is_number = [](const cv::FileNode &node) { return node.isInt() || node.isReal(); };
   if (is_number(width) && is_number(height)) // Python's numbers of pixels are often floats
     return size_from({static_cast<double>(width), static_cast<double>(height)});
-  return size_from(numbers_of(first_of(storage, both)));
+  return size_from(numbers_of(first_of(map, both)));
 }
 
 /// 1 or true, which in YAML is a word to OpenCV.
@@ -132,9 +136,9 @@ bool is_set(const cv::FileNode &flag, const std::string &where) {
   return false;
 }
 
-bool says_fisheye(const cv::FileStorage &storage, const std::string &where) {
-  const cv::FileNode model = first_of(storage, {"distortion_model", "camera_model", "model"});
-  if (is_set(first_of(storage, {"fisheye_model", "fisheye"}), where))
+bool says_fisheye(const cv::FileNode &map, const std::string &where) {
+  const cv::FileNode model = first_of(map, {"distortion_model", "camera_model", "model"});
+  if (is_set(first_of(map, {"fisheye_model", "fisheye"}), where))
     return true;
   const std::string name = model.isString() ? static_cast<std::string>(model) : std::string("pinhole");
   if (name == "fisheye" || name == "equidistant")
@@ -146,27 +150,47 @@ bool says_fisheye(const cv::FileStorage &storage, const std::string &where) {
   return false;
 }
 
-CalibratedCamera one_camera(const fs::path &path, ImageSize size, bool fisheye) {
-  return read_storage(path, [&](const cv::FileStorage &storage) {
-    const std::string where = path.string();
-    CalibratedCamera result;
-    const cv::FileNode name = first_of(storage, {"camera_name", "name"});
-    result.camera.name = name.isString() ? static_cast<std::string>(name) : path.stem().string();
-    result.camera.K = matrix_from(required(
-        storage, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "intrinsic_matrix", "intrinsics", "K", "M"}, {9}, where));
-    result.camera.R = rotation_from(
-        required(storage, {"R", "Rot", "rotation", "rotation_matrix", "rvec", "Rvec", "rotation_vector"}, {9, 3}, where));
-    result.camera.t =
-        Eigen::Vector3d(required(storage, {"T", "t", "tvec", "Tvec", "translation", "translation_vector"}, {3}, where).data());
-    const cv::FileNode terms = first_of(
-        storage, {"distortion_coefficients", "Distortion_Coefficients", "dist_coeffs", "distCoeffs", "distortion", "dist", "D"});
-    if (!terms.empty()) // without any, the lens has none
-      set_distortion(result, numbers_of(terms), says_fisheye(storage, where) || fisheye, where + ": " + terms.name());
-    const ImageSize found = size_in(storage, {"image_width", "image_Width", "width"}, {"image_height", "image_Height", "height"},
-                                    {"image_size", "imageSize", "size"});
-    set_size(result, chosen_size(found, size, where));
-    return result;
-  });
+/// `otherwise`: its name, if the map has none.
+CalibratedCamera one_camera(const cv::FileNode &map, const std::string &otherwise, ImageSize size, bool fisheye,
+                            const std::string &where) {
+  CalibratedCamera result;
+  const cv::FileNode name = first_of(map, {"camera_name", "name"});
+  result.camera.name = name.isString() ? static_cast<std::string>(name) : otherwise;
+  result.camera.K = matrix_from(required(map, kMatrixKeys, {9}, where));
+  result.camera.R =
+      rotation_from(required(map, {"R", "Rot", "rotation", "rotation_matrix", "rvec", "Rvec", "rotation_vector"}, {9, 3}, where));
+  result.camera.t =
+      Eigen::Vector3d(required(map, {"T", "t", "tvec", "Tvec", "translation", "translation_vector"}, {3}, where).data());
+  const cv::FileNode terms = first_of(
+      map, {"distortion_coefficients", "Distortion_Coefficients", "dist_coeffs", "distCoeffs", "distortion", "dist", "D"});
+  if (!terms.empty()) // without any, the lens has none
+    set_distortion(result, numbers_of(terms), says_fisheye(map, where) || fisheye, where + ": " + terms.name());
+  const ImageSize found = size_in(map, {"image_width", "image_Width", "width"}, {"image_height", "image_Height", "height"},
+                                  {"image_size", "imageSize", "size"});
+  set_size(result, chosen_size(found, size, where));
+  return result;
+}
+
+/// A file's only camera, or several, each a map of its own: by their names, or listed, in the file or its "cameras".
+std::vector<CalibratedCamera> cameras_in(const cv::FileNode &file, const fs::path &path, ImageSize size, bool fisheye) {
+  const std::string where = path.string();
+  if (!first_of(file, kMatrixKeys).empty())
+    return {one_camera(file, path.stem().string(), size, fisheye, where)};
+  const cv::FileNode inner = first_of(file, {"cameras"});
+  std::vector<CalibratedCamera> cameras;
+  std::vector<std::string> found;
+  for (const cv::FileNode &node : inner.empty() ? file : inner) {
+    found.push_back(node.name());
+    if (first_of(node, kMatrixKeys).empty())
+      continue;
+    require_few(cameras.size() + 1, where);
+    cameras.push_back(one_camera(node, node.name(), size, fisheye, where + ": camera '" + node.name() + "'"));
+  }
+  if (found.size() > 8) // say more than enough
+    found.resize(8);
+  if (cameras.empty())
+    throw Error(where + ": expected camera_matrix, R and T of a camera, or of several by their names, found " + joined(found));
+  return cameras;
 }
 
 // --- EasyMocap
@@ -194,12 +218,13 @@ void read_intrinsics(const cv::FileStorage &storage, CalibratedCamera &camera, I
   const std::string key = storage["dist_" + name].empty() ? "D_" + name : "dist_" + name;
   set_distortion(camera, numbers_of(storage[key]), false, where + ": " + key);
   const std::string width = "W_" + name, height = "H_" + name;
-  set_size(camera, chosen_size(size_in(storage, {width.c_str()}, {height.c_str()}, {}), size, where + ": camera '" + name + "'"));
+  set_size(camera,
+           chosen_size(size_in(storage.root(), {width.c_str()}, {height.c_str()}, {}), size, where + ": camera '" + name + "'"));
 }
 
 void read_extrinsics(const cv::FileStorage &storage, CalibratedCamera &camera, const std::string &where) {
   const std::string name = camera.camera.name, rotation = "Rot_" + name, vector = "R_" + name;
-  camera.camera.R = rotation_from(required(storage, {rotation.c_str(), vector.c_str()}, {9, 3}, where));
+  camera.camera.R = rotation_from(required(storage.root(), {rotation.c_str(), vector.c_str()}, {9, 3}, where));
   camera.camera.t = Eigen::Vector3d(matrix(storage, "T_" + name, 3, where).data());
 }
 
@@ -233,8 +258,11 @@ std::vector<CalibratedCamera> read_opencv_calibration(const fs::path &path, Imag
   if (files.empty())
     throw Error(path.string() + ": expected a .yml, .yaml, .xml or .json file for each camera, found none");
   std::vector<CalibratedCamera> cameras;
-  for (const fs::path &file : files)
-    cameras.push_back(one_camera(file, size, fisheye));
+  for (const fs::path &file : files) {
+    const std::vector<CalibratedCamera> found =
+        read_storage(file, [&](const cv::FileStorage &storage) { return cameras_in(storage.root(), file, size, fisheye); });
+    cameras.insert(cameras.end(), found.begin(), found.end());
+  }
   return cameras;
 }
 

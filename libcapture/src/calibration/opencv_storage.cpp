@@ -82,6 +82,10 @@ cv::FileStorage open_storage(const std::filesystem::path &path) {
   const bool marked = text.starts_with("\xEF\xBB\xBF"); // as editors write it
   if (marked)
     text.erase(0, 3);
+  const std::size_t begin = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+  if (begin == text.size() || std::string_view("%{[<").find(text[begin]) == std::string_view::npos)
+    throw Error(path.string() + ": expected an OpenCV file, which begins with %YAML, < or {, found another format (Python's "
+                                "json.dump writes one that is read)");
   require_plain(path, text);
   require_one_collection(path, text);
   try {
