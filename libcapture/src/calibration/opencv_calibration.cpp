@@ -180,11 +180,11 @@ std::vector<CalibratedCamera> cameras_in(const cv::FileNode &file, const fs::pat
   std::vector<CalibratedCamera> cameras;
   std::vector<std::string> found;
   for (const cv::FileNode &node : inner.empty() ? file : inner) {
-    found.push_back(node.name());
+    found.push_back(node.isNamed() ? node.name() : std::to_string(found.size())); // an entry of a list has none
     if (first_of(node, kMatrixKeys).empty())
       continue;
     require_few(cameras.size() + 1, where);
-    cameras.push_back(one_camera(node, node.name(), size, fisheye, where + ": camera '" + node.name() + "'"));
+    cameras.push_back(one_camera(node, found.back(), size, fisheye, where + ": camera '" + found.back() + "'"));
   }
   if (found.size() > 8) // say more than enough
     found.resize(8);
