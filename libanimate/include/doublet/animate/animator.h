@@ -1,5 +1,5 @@
 #pragma once
-// A character and a motion give a new animation (Sect. 7).
+// Animates a character with a motion (Sect. 7).
 
 #include "doublet/animate/motion.h"
 #include "doublet/animate/player.h"
@@ -9,14 +9,14 @@
 
 namespace doublet {
 
-/// Calls `frame` once a frame, in order, and keeps nothing: a Player that is given the motion. That is resampled to the
-/// character's own rate 1/dt first, for which its material was estimated. make_solver: as of CharacterSimulator. Throws Error
-/// naming the frame if the simulation leaves the finite numbers. Returns the number of frames.
+/// Resamples the motion to the character's own rate 1/dt, for which its material was estimated, plays it with a Player, and calls
+/// `frame` once per frame, in order; no frame is kept. make_solver: as in CharacterSimulator. Throws Error naming the frame if
+/// the cloth is no longer finite. Returns the number of frames.
 int animate(const Character &character, const Motion &motion, const AnimateOptions &options,
             const std::function<void(const AnimationFrame &)> &frame, const Context &context = {},
             const pbd::ClothSolverFactory &make_solver = {});
 
-/// The body of a frame brought under the surface (V, 3), as BodyPenetrationFix does it (parts/body_penetration.h).
+/// (B, 3) the body of a frame, moved under the surface (V, 3) as BodyPenetrationFix does (parts/body_penetration.h).
 Vertices resolve_body_penetration(const Character &character, const Vertices &surface, Vertices body);
 
 /// The whole animation in memory.

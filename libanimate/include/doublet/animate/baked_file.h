@@ -13,9 +13,9 @@ namespace doublet {
 
 /// vertices (T, V, 3) f32 of M, faces (F, 3) i32, face_valid (F), joints (T, J, 3) f32, joint_rotations (T, J, 4) f32 w x y z in
 /// the world, joint_names, dofs (T, D) f32, fps; and, where the result has them, body_vertices (T, B, 3), body_faces (FB, 3),
-/// body_shown (FB), and high_vertices (T, VH, 3), high_faces (FH, 3), high_valid (FH) of M_high. `drawn`: faces in the place of
-/// M_high's, and only their vertices; empty = its own. Written beside and renamed. Throws std::invalid_argument if the animation
-/// is not the character's, or `drawn` not M_high's.
+/// body_shown (FB), and high_vertices (T, VH, 3), high_faces (FH, 3), high_valid (FH) of M_high. `drawn`: these faces are written
+/// instead of M_high's, with only their vertices; empty = M_high's own. Written to a temporary file, then renamed. Throws
+/// std::invalid_argument if the animation is not the character's, or `drawn` does not fit M_high.
 void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
                      const TexturedFaces &drawn = {});
 
@@ -29,38 +29,37 @@ struct BakedGlbOptions {
     return Description{
         "BakedGlbOptions",
         option(&O::max_error, "max_error", Range{0, 0.1}, "m",
-               "Shapes are the principal components that leave this error (RMS, of each mesh); 0 = a shape a key, exact",
+               "Error that the principal components may leave (RMS, of each mesh); 0 = one shape per key, exact",
                "At 1 mm the file has a third of the size, and no frame has to be left out"),
-        option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s", "Keys of the shapes a second; 0 = one a frame",
+        option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s", "Keys of the shapes per second; 0 = one per frame",
                "Viewers blend between them; at 10 loose cloth is up to 2 cm off"),
-        option(
-            &O::max_keys, "max_keys", Range{2, 5000}, "", "Shapes of a mesh at most",
-            "A viewer keeps all of them; with a shape a key a long clip gets fewer keys a second, otherwise the error is larger"),
+        option(&O::max_keys, "max_keys", Range{2, 5000}, "", "Largest number of shapes of a mesh",
+               "A viewer keeps all of them. Beyond it the error is larger, or with one shape per key the keys are fewer"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// What a viewer shows of a mesh, against the animation: over all frames and vertices.
+/// Difference between what a viewer shows of a mesh and the animation, over all frames and vertices.
 struct BakedMeshSummary {
   std::string name;     ///< of the node: surface, body
-  int vertices = 0;     ///< in the file, where the texture's seams have two
+  int vertices = 0;     ///< in the file; a vertex on a seam of the texture counts twice
   int shapes = 0;       ///< morph targets
   double rms_error = 0; ///< m
-  double error_95 = 0;  ///< m, that 95 % are below
+  double error_95 = 0;  ///< m, 95 % quantile
   double max_error = 0; ///< m
 };
 
 struct BakedGlbSummary {
-  int keys = 0; ///< at which the shapes' weights are stored
+  int keys = 0; ///< times at which the weights of the shapes are stored
   std::vector<BakedMeshSummary> meshes;
 };
 
-/// Plays in any glTF 2.0 viewer that knows KHR_mesh_quantization: the joints as animated nodes, and skinned to them M_high in its
-/// texture (M in colours where the result is without M_high) and the hidden body as the animation has it (tucked under the
-/// cloth), with morph targets. The shapes are relative to the bones, so that both follow these between keys. A target holds the
-/// vertices that it moves, 8 to 11 bytes each. The meshes' extras have the numbers of the summary. Throws std::invalid_argument
-/// if the animation is not the character's, Cancelled.
+/// A .glb that plays in any glTF 2.0 viewer with KHR_mesh_quantization: the joints as animated nodes; skinned to them, with morph
+/// targets, M_high with its texture (or M with colours if the result has no M_high) and the hidden body as in the animation
+/// (moved under the cloth). The shapes are relative to the bones, so that both meshes follow the bones between keys. A target
+/// holds only the vertices that it moves, 8 to 11 bytes each. The extras of the meshes contain the numbers of the summary. Throws
+/// std::invalid_argument if the animation is not the character's, Cancelled.
 BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
                                 const BakedGlbOptions &options = {}, const TexturedFaces &drawn = {},
                                 const Context &context = {});

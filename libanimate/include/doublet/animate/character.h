@@ -30,8 +30,8 @@ struct Character {
   Mesh high;                     ///< M_high for display, scan pose; may be empty: then M is displayed
   Mask high_valid;               ///< (FH)
   int garment_subdivisions = -1; ///< of the garment in M_high; -1 = M_high is one surface (see DisplayMesh)
-  /// The last of M_high's skin (its vertices before the garment's) that are the body's, which goes on under the garment, welded
-  /// to the scan: the vertex of `body` that each is. Then body_shown is 0. Empty = the hidden body is drawn beside M_high.
+  /// If the hidden body is welded to M_high's skin: indices into `body` of the last vertices of that skin (M_high's vertices
+  /// before the garment's), which are the body's; body_shown is then 0. Empty = the hidden body is drawn as a separate mesh.
   std::vector<int> high_body;
   TexCoords texcoords;               ///< (3 FH, 2) per corner of M_high; empty = no texture
   std::vector<std::uint8_t> texture; ///< PNG or JPEG file; empty = no texture
@@ -40,27 +40,26 @@ struct Character {
 /// Checks that all parts fit together. Throws Error naming the part.
 void validate_character(const Character &character);
 
-/// Puts a character together: checks sizes, computes the body's skin weights and which of its faces are needed; where M_high has
-/// a garment these become part of it, welded to its skin, if the two fit together.
-/// `high`, `body` may be empty; `high`, `high_valid` and `garment_subdivisions` as build_display_mesh() (display_surface.h) makes
-/// them.
+/// Assembles a character: checks sizes, computes the body's skin weights and which of its faces must be drawn. If M_high has a
+/// garment, these faces are welded to M_high's skin where the two fit together. `high` and `body` may be empty; `high`,
+/// `high_valid` and `garment_subdivisions` come from build_display_mesh() (display_surface.h). Throws as validate_character().
 Character make_character(const RiggedMesh &actor, const Segmentation &segmentation, const BodyFit &body,
                          const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
                          const SolverSettings &solver, const Mesh &high = {}, const Mask &high_valid = {},
                          int garment_subdivisions = -1);
 
-/// (B) 1 = this body vertex is hidden by cloth in the scan pose: the nearest valid surface is cloth, or the surface is away and
-/// its normal runs into cloth.
+/// (B) 1 = cloth hides this body vertex in the scan pose: the nearest valid surface is cloth, or the surface is not close and the
+/// ray along the vertex normal hits cloth.
 Mask hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
 
-/// (FH) 1 = a face of M_high that is of the hidden body (see Character::high_body), or joins it to the scan. Throws as
+/// (FH) 1 = the face of M_high belongs to the hidden body (see Character::high_body), or joins it to the scan. Throws as
 /// validate_character().
 Mask hidden_faces(const Character &character);
 
-/// (B, J) skin weights for the body. Exposed vertices take those of the actor's surface; hidden ones solve the heat equation of
-/// Baran & Popovic 2007 on the body with the exposed ones as boundary, so that thighs under a skirt hang on the thigh bones, not
-/// on the skirt's weights. With proxies the nearest of these stands for the nearest bone: what cloth collides with and what is
-/// drawn under it then move together. Throws as require_proxies().
+/// (B, J) skin weights of the body. Exposed vertices take those of the actor's surface; those of hidden vertices solve the heat
+/// equation of Baran & Popovic 2007 on the body with the exposed ones as boundary values, so that thighs under a skirt follow the
+/// thigh bones, not the skirt's weights. With proxies, the nearest proxy is used in place of the nearest bone: the proxies that
+/// cloth collides with and the body that is drawn then move together. Throws as require_proxies().
 MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body,
                           const std::vector<TaperedCapsule> &proxies = {});
 

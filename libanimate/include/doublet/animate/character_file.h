@@ -8,7 +8,8 @@
 
 namespace doublet {
 
-/// Written beside and renamed. Geometry and weights are stored as float32, parameters as JSON numbers. Throws Error.
+/// Geometry and weights are stored as float32, parameters as JSON numbers. Written to a temporary file, then renamed. Throws
+/// Error.
 void write_character(const std::filesystem::path &path, const Character &character);
 
 /// Throws FileNotFound, or Error naming the file and what is wrong with it.

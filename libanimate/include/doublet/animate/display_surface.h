@@ -1,7 +1,7 @@
 #pragma once
-// What is drawn of a character: M_high, which follows M. Of an actor in a garment with a mesh of its own: the skin of M_high, and
-// the garment's mesh as a displaced subdivision surface (Lee, Moreton & Hoppe, SIGGRAPH 2000): hem and seam are smooth curves, no
-// triangle bridges a fold, and the scan's detail is a height along the normal.
+// The surface of a character that is drawn: M_high, which follows M. If the garment has a mesh of its own: the skin of M_high,
+// and the garment's mesh as a displaced subdivision surface (Lee, Moreton & Hoppe, SIGGRAPH 2000): hem and seam are smooth
+// curves, no triangle bridges a fold, and the scan's detail is a height along the normal.
 
 #include "doublet/animate/surface_transfer.h"
 #include "doublet/core/skinning.h"
@@ -20,18 +20,18 @@ struct GarmentPart;
 struct DisplayMesh {
   Mesh mesh;  ///< (VH, 3) m in the scan pose, (FH, 3)
   Mask valid; ///< (FH) 0 = not drawn
-  /// n: the last 4^n H faces are the H of the garment, subdivided n times; -1 = `mesh` is one surface, as scanned.
+  /// n: the last 4^n H faces are the garment's H faces, subdivided n times; -1 = `mesh` is one surface, as scanned.
   int garment_subdivisions = -1;
 };
 
-/// `high`: M_high as scanned, closed. Its faces are drawn where the nearest of M's is valid. Where the actor wears a garment
-/// (`clothness` has a rest shape) that takes their place, as fine as `high`; the skin goes on below the seam, sunk under the
-/// garment, so that it does not open. With a body, what lies on it as its skin does is not taken for the sheet that closes the
-/// scan below a hem. Throws Error on unusable meshes.
+/// `high`: M_high as scanned, closed. Its faces are drawn where the nearest face of M is valid. If the actor wears a garment
+/// (`segmentation` has a rest shape), the garment replaces the faces that it covers, at the resolution of `high`; the skin
+/// continues below the seam, sunk under the garment, so that no gap opens. With a body, surface that lies on the body like skin
+/// is not mistaken for the surface that closes the scan below a hem. Throws Error on unusable meshes.
 DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high,
                                const Mesh &body = {});
 
-/// Memory of DisplaySurface::apply().
+/// Memory that DisplaySurface::apply() reuses.
 struct DisplayBuffers {
   PaddedRows skin_rows, garment_rows;
   Vertices garment, garment_normals, cloth, cloth_normals, carried;
@@ -49,16 +49,16 @@ public:
   /// Throws Error if the character has no M_high, or one that does not fit its garment.
   explicit DisplaySurface(const Character &character);
 
-  /// (VH, 3) m, M_high for the vertices (V, 3) of M.
+  /// (VH, 3) m, vertices of M_high for the vertices (V, 3) of M.
   Vertices apply(const Vertices &surface) const;
-  /// The same into `high`; nothing is allocated once it and the buffers have been used.
+  /// The same into `high`; allocates nothing once `high` and the buffers have been used.
   void apply(const Vertices &surface, Vertices &high, DisplayBuffers &buffers) const;
-  /// The same in a known pose, `joints` as dual_quaternions() gives them: the body that is welded to the skin is skinned with
-  /// them. Without, each joint is taken to have moved as its skin has.
+  /// The same in a known pose, `joints` from dual_quaternions(): the body that is welded to the skin is skinned with them. The
+  /// other overloads infer the motion of each joint from that of its skin.
   void apply(const Vertices &surface, const std::vector<DualQuaternion> &joints, Vertices &high, DisplayBuffers &buffers) const;
-  /// (VH, C) values of M's vertices (V, C) at M_high's, e.g. skin weights.
+  /// (VH, C) values of M's vertices (V, C), e.g. skin weights, interpolated at M_high's.
   MatrixRM sample(const MatrixRM &values) const;
-  /// (VH, J) skin weights of M_high for M's (V, J): the body that is welded to it has its own.
+  /// (VH, J) skin weights of M_high from M's (V, J); the body that is welded to it has its own.
   MatrixRM skin_weights(const MatrixRM &weights) const;
 
 private:

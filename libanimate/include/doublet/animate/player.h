@@ -1,6 +1,6 @@
 #pragma once
-// A character that is moved as it is watched: a pose in, a surface out, a frame at a time (Sect. 6.1 and 7). For games and
-// viewers; animate() plays whole clips with it.
+// Interactive simulation of a character: a pose in, a surface out, one frame at a time (Sect. 6.1 and 7). For games and viewers;
+// animate() plays whole clips with it.
 
 #include "doublet/animate/character.h"
 #include "doublet/options/options.h"
@@ -42,10 +42,10 @@ struct AnimateOptions {
         option(&O::high, "high", "The animation has the display surface M_high, too"),
         option(&O::body, "body", "The animation has the body under the clothes, too"),
         option(&O::resolve_arm_penetration, "resolve_arm_penetration",
-               "animate() turns shoulders so far that forearms and hands are clear of the body, with room for cloth",
-               "Another person's clip presses the arms into a wider body. A player takes its poses as they are"),
+               "animate() turns the shoulders until forearms and hands are clear of the body, with room for cloth",
+               "Another person's clip presses the arms into a wider body. Player leaves its poses as they are"),
         option(&O::resolve_body_penetration, "resolve_body_penetration",
-               "The body is drawn under the surface where it would stand out of it",
+               "The drawn body is moved under the surface where it would protrude",
                "Proxies are simpler than the body, so cloth may rest a little inside it"),
     };
   }
@@ -62,12 +62,12 @@ struct AnimationFrame {
   Vertices body;              ///< (B, 3), or empty
 };
 
-/// What it costs and how it is used in a game's loop: docs/player.md. Not to be used from two threads at once; a copy is a
-/// character of its own, which shares what never changes.
+/// Cost, and use in the loop of a game: docs/player.md. Not to be used from two threads at once; a copy is independent and shares
+/// only what never changes.
 class Player {
 public:
-  /// Throws Error naming the part that does not fit. make_solver: as of CharacterSimulator. Stands in the rest pose, cloth at
-  /// rest there but not settled: begin with reset().
+  /// Starts in the rest pose, with the cloth at rest there but not settled: begin with reset(). make_solver: as in
+  /// CharacterSimulator. Throws Error naming the part that does not fit.
   explicit Player(Character character, const AnimateOptions &options = {}, const pbd::ClothSolverFactory &make_solver = {});
   ~Player();
   Player(const Player &);
@@ -75,25 +75,25 @@ public:
   Player(Player &&) noexcept;
   Player &operator=(Player &&) noexcept;
 
-  // A pose is dofs (D), as a Motion has them; std::invalid_argument unless it is that long and finite. Each of these returns
-  // frame(). Error if the cloth comes out not finite: it then stays where it last was, which may be within the step, and reset()
-  // helps. Once warm, nothing is allocated.
+  // A pose is dofs (D), a row of Motion::dofs. Each of these returns frame(). They throw std::invalid_argument unless the pose
+  // has D finite values, and Error if the cloth is not finite after a step: it then stays where it last was, which may be within
+  // the step, and reset() recovers. After the first calls nothing is allocated.
 
-  /// Begins anew in this pose: the cloth, put on in the rest pose, falls into place for AnimateOptions::settle_seconds. If that
-  /// is 0, it is its rest shape carried to this pose.
+  /// Restarts in this pose: the cloth is draped from the rest pose to it and settles for AnimateOptions::settle_seconds. If that
+  /// is 0, it is its skinned rest shape.
   const AnimationFrame &reset(const Eigen::VectorXd &dofs);
-  /// Goes on to this pose in the character's own time step, Character::solver.dt.
+  /// Advances to this pose by the character's own time step, Character::solver.dt.
   const AnimationFrame &step(const Eigen::VectorXd &dofs);
-  /// Goes on to this pose in `seconds`, in (0, 1], in steps as near as can be to the substeps for which the material was
-  /// estimated (dt / substeps, 1/160 s by default), the pose interpolated: so the cloth moves alike at every frame rate.
+  /// Advances to this pose by `seconds`, in (0, 1], interpolating the pose, in steps as close as possible to the substeps for
+  /// which the material was estimated (dt / substeps, 1/160 s by default): so the cloth moves alike at every frame rate.
   const AnimationFrame &step(const Eigen::VectorXd &dofs, double seconds);
-  /// Stands in this pose at once; the cloth is carried along with the root as one rigid body, with its speed.
+  /// Jumps to this pose; the cloth and its velocities move rigidly with the root.
   const AnimationFrame &teleport(const Eigen::VectorXd &dofs);
 
-  const AnimationFrame &frame() const; ///< the last
+  const AnimationFrame &frame() const; ///< the latest
   const Character &character() const;  ///< as it was given
 
-  // What may change between two steps. std::invalid_argument if a value is none, and nothing has changed.
+  // What may change between two steps. They throw std::invalid_argument for an invalid value and then change nothing.
   void set_materials(const std::vector<pbd::Material> &materials); ///< one per cloth region
   void set_wind(const Eigen::Vector3d &wind);                      ///< m/s
   void set_gravity(const Eigen::Vector3d &gravity);                ///< m/s^2, within 1000
@@ -103,8 +103,8 @@ public:
   const Eigen::Vector3d &gravity() const;
   const std::vector<TaperedCapsule> &proxies() const;
 
-  /// Positions and velocities of the cloth: keep them to go back. set_state() throws std::invalid_argument unless they are of
-  /// this character, and finite; it moves the cloth alone, not the pose.
+  /// Positions and velocities of the cloth; keep a copy to return to it. set_state() sets the cloth, not the pose, and throws
+  /// std::invalid_argument unless the state is finite and fits this character.
   const CharacterState &state() const;
   void set_state(const CharacterState &state);
 
@@ -116,10 +116,10 @@ private:
   std::unique_ptr<Playing> playing_;
 };
 
-/// player.step(dofs, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to
-/// `threads` threads, with the same bits. Throws std::invalid_argument unless all are copies of one with as many proxies, there
-/// is a pose for each and none is there twice; Error naming the first whose cloth came out not finite, after the others have been
-/// stepped: that one stays where it last was.
+/// player.step(dofs, seconds) for several copies of one player, side by side in the lanes of SIMD registers and on up to
+/// `threads` threads, with the same bits. Throws std::invalid_argument unless all are copies of one player with the same number
+/// of proxies, there is one pose for each and no player occurs twice; Error naming the first player whose cloth is not finite,
+/// after the others have been stepped: its cloth stays where it last was.
 void step_players(std::span<Player *const> players, std::span<const Eigen::VectorXd> dofs, double seconds, int threads = 1);
 
 } // namespace doublet

@@ -53,7 +53,8 @@ Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const 
 /// of `radius` (m) around the target fills the image's smaller side.
 Camera orbit_camera(const Eigen::Vector3d &target, double radius, double azimuth, double elevation, int width, int height);
 
-/// Pictures of one character in many frames: M_high (textured) or, where `high` is empty, M; and the body where cloth hid it.
+/// Renders one character in many frames: M_high (textured) or, if `high` is empty, M; and the body where cloth hid it in the
+/// scan.
 class CharacterRenderer {
 public:
   explicit CharacterRenderer(const Character &character);

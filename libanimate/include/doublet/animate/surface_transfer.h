@@ -1,6 +1,7 @@
 #pragma once
-// The display mesh follows the coarse one (as in de Aguiar et al. 2008): every fine vertex lives in the frames of a few nearby
-// coarse triangles, in-plane coordinates stretching with them, height above them in metres; the triangles' opinions are blended.
+// The display mesh follows the coarse one (as in de Aguiar et al. 2008): every fine vertex has coordinates in the frames of a few
+// nearby coarse triangles (in-plane coordinates stretch with the triangle, the height above it is in metres); the resulting
+// positions are blended.
 
 #include "doublet/core/mesh.h"
 
@@ -12,7 +13,7 @@
 namespace doublet {
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-/// Rows of three numbers and an idle fourth: two whole registers each.
+/// Rows of three numbers and an unused fourth, so that a row fills two SIMD registers.
 using PaddedRows = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
 /// out = weights * rows.
 void multiply(const SparseRows &weights, const PaddedRows &rows, Eigen::Ref<Vertices> out);
@@ -26,7 +27,7 @@ public:
 
   /// (V', 3) fine vertices for the coarse vertices (V, 3), m.
   Vertices apply(const Vertices &coarse) const;
-  /// The same into rows that are there; nothing is allocated once `buffer` has been used.
+  /// The same into existing rows; allocates nothing once `buffer` has been used.
   void apply(const Vertices &coarse, Eigen::Ref<Vertices> fine, PaddedRows &buffer) const;
   /// (V', C) per-vertex values of the coarse mesh (V, C) at the closest coarse point of each fine vertex, e.g. skin weights.
   MatrixRM sample(const MatrixRM &coarse_values) const;

@@ -31,13 +31,13 @@ struct BodyFitOptions {
         option(&O::iterations, "iterations", at_least(1), "", "Number of ICP iterations",
                "The robust scale shrinks over the first two thirds"),
         option(&O::landmark_deviation, "landmark_deviation", above(0), "m", "Expected error of a clicked landmark",
-               "Cauchy weights count for less what is more than three of them off"),
+               "Cauchy weights reduce the influence of errors above three times that"),
         option(&O::joint_deviation, "joint_deviation", above(0), "m", "Expected error of a marked joint",
-               "Rigs differ in where a hip is"),
+               "Skeletons differ in where a hip is"),
         option(&O::surface_deviation, "surface_deviation", above(0), "m",
-               "Expected error of skin around the model, for 4 cm^2 of surface", "Errors of the model are correlated"),
+               "Expected error of the model on skin, for each 4 cm^2 of surface", "Errors of the model are correlated"),
         option(&O::scale_deviation, "scale_deviation", above(0), "", "Expected relative deviation of the overall scale from 1",
-               "Stature is the model's; this is for units and children"),
+               "The model varies in stature; this is for units and children"),
         option(&O::outlier_scale, "outlier_scale", above(0), "m", "Final scale of the Geman-McClure weights of the surface",
                "Hair and shoes are outliers"),
         option(&O::cloth_margin, "cloth_margin", at_least(0), "m", "The body stays at least this far inside cloth"),
@@ -56,7 +56,7 @@ struct ClothedScan {
   std::map<std::string, Eigen::Vector3d> landmarks; ///< name -> point on the surface, m
 };
 
-/// The swap point: clothed scan in, body under it out.
+/// The swap point: clothed scan in, body under the clothes out.
 /// Threads: all methods are const and may be called from several at once.
 class BodyFitter {
 public:

@@ -12,21 +12,21 @@
 
 namespace doublet {
 
-/// Points of a body and their exact derivatives by the coefficients.
+/// Points of a body and their exact derivatives with respect to the coefficients.
 struct BodyLinearisation {
   Vertices points;   ///< (n, 3) m
   MatrixRM jacobian; ///< (3n, K) m per standard deviation; rows x, y, z of point 0, then of point 1, ...
 };
 
-/// vertices = mean + components * s, s ~ N(0, I), in a linear model; a model that bends its own skeleton is linear in the shape
-/// coefficients alone and overrides linearise(). An interface, so that other models can stand in.
-/// Threads: all methods are const and are called from several at once, on one immutable object.
+/// A linear model is vertices = mean + components * s, s ~ N(0, I); a model that poses its own skeleton is linear only in the
+/// shape coefficients and overrides linearise(). An interface, so that other models can be used. Threads: all methods are const
+/// and are called from several at once, on one immutable object.
 class BodyModel {
 public:
   virtual ~BodyModel() = default;
   virtual int vertex_count() const = 0;
   virtual int component_count() const = 0;
-  /// The first coefficients, those of the person; the others are the pose. Default: all, a model without poses.
+  /// Number of shape coefficients, which come first; the others are the pose. Default: all, a model without poses.
   virtual int shape_count() const { return component_count(); }
   virtual const Faces &faces() const = 0;
   virtual Vertices

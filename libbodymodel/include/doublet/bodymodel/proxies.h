@@ -1,5 +1,5 @@
 #pragma once
-// Collision proxies (Sect. 5): tapered capsules that stand for the fitted body.
+// Collision proxies (Sect. 5): tapered capsules that approximate the fitted body.
 
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
@@ -29,18 +29,18 @@ struct ProxyOptions {
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
-/// Tapered capsules for the bones where cloth can touch: bones with cloth over their body surface, the next bones down the chain,
+/// Tapered capsules for the bones that cloth can touch: bones with cloth over their body surface, the next bones down the chain,
 /// limbs that reach cloth, and bones of the trunk that hanging cloth can be thrown over. Empty if nothing is cloth.
 std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation,
                                         const ProxyOptions &options = {});
 
-/// How well the capsules stand for the body.
+/// How well the capsules approximate the body.
 struct ProxyStatistics {
   int capsules = 0;
   int samples = 0;            ///< body vertices under cloth
   double mean_distance = 0;   ///< m, mean |signed distance| of body vertices under cloth to the union of capsules
   double percentile95 = 0;    ///< m, of the same
-  double largest_bulge = 0;   ///< m, how far a capsule stands out of the body at most (0 = nowhere)
+  double largest_bulge = 0;   ///< m, largest distance by which a capsule protrudes from the body (0 = none)
   double cloth_clearance = 0; ///< m, smallest signed distance of the resting cloth to the capsules (negative = pushed)
 };
 ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,

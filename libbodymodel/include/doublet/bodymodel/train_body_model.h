@@ -25,7 +25,7 @@ struct TrainOptions {
         option(&O::components, "components", at_least(1), "", "Number of shape components that are kept, at most meshes - 1",
                "100 keep 99.99 % of the shipped population's variance"),
         option(&O::pose_floor, "pose_floor", above(0), "rad", "Angle that is added in quadrature to every pose deviation",
-               "Joints that the population never bends sideways can then follow a scan a little"),
+               "So that joints which the population never bends sideways can follow a scan a little"),
         option(&O::individuals, "individuals", at_least(0), "", "Individuals to train on; empty = all",
                "The others are for leave-out tests"),
         option(&O::name, "name", "Name of the model"),

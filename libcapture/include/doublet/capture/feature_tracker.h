@@ -26,12 +26,12 @@ struct FeatureTrackerOptions {
     using O = FeatureTrackerOptions;
     return Description{
         "FeatureTrackerOptions",
-        option(&O::budget, "budget", at_least(1), "", "Number of the strongest features that are kept in an image",
-               "Time is proportional, 40 to 60 ms an image of 1004 x 1004; 500 do for the pose"),
-        option(&O::erode, "erode", at_least(0), "px", "Features closer to the silhouette are dropped, at 1004 px image height",
-               "They see background"),
+        option(&O::budget, "budget", at_least(1), "", "Number of features that are kept per image (the strongest)",
+               "Time is proportional, 40 to 60 ms per image of 1004 x 1004; 500 suffice for the pose"),
+        option(&O::erode, "erode", at_least(0), "px",
+               "Features closer than this to the outline are dropped, at 1004 px image height", "They see background"),
         option(&O::ratio, "ratio", Range{0, 1, Open::Below}, "",
-               "Ratio of the best to the second best descriptor distance, at most (Lowe 2004, Sect. 7.1)"),
+               "Largest ratio of the best to the second best descriptor distance (Lowe 2004, Sect. 7.1)"),
         option(&O::max_displacement, "max_displacement", above(0), "",
                "Largest displacement between two frames, as a share of the silhouette's height",
                "0.1 = 7 m/s for a person at 40 fps"),

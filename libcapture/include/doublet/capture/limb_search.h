@@ -33,7 +33,7 @@ struct LimbProblem {
   const std::vector<Image> *masks = nullptr; ///< measured; 255 = actor
   Vertices offset;                           ///< (V, 3) m, rest pose: expected non-rigid offset; may be empty
   Eigen::VectorXd reliability;               ///< (V) in [0, 1]: weight of a vertex in the pose; low on loose cloth
-  Eigen::VectorXd predicted;                 ///< (D) pose expected from the frames before
+  Eigen::VectorXd predicted;                 ///< (D) pose predicted from the previous frames
   std::vector<SeenPoint> points = {};        ///< joints that keypoints show
 };
 
@@ -52,34 +52,34 @@ struct LimbSearchOptions {
         "LimbSearchOptions",
         option(&O::raster_size, "raster_size", at_least(64), "px", "Longest side of the masks and renderings that are compared",
                "An arm is 3 to 4 px wide"),
-        option(&O::lost_error, "lost_error", above(0), "m", "A limb with a larger error is lost",
+        option(&O::lost_error, "lost_error", above(0), "m", "A limb with a larger error counts as lost",
                "Tracked limbs have a few mm, an arm 30 degrees off has 4 cm"),
-        option(&O::max_error, "max_error", above(0), "m", "A pixel's disagreement counts at most so much"),
+        option(&O::max_error, "max_error", above(0), "m", "Cap on the error of a pixel"),
         option(&O::deviation, "deviation", above(0), "rad", "Standard deviation of the first particles around the prediction"),
         option(&O::smoothness, "smoothness", at_least(0), "",
                "Weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area"),
         option(&O::keypoint_weight, "keypoint_weight", at_least(0), "",
-               "Weight of joints that are max_error beyond where keypoints show them, against the pixels that are wrong",
-               "They decide where silhouettes do not: a limb that is a hand's width wrong has more wrong pixels"),
+               "Weight of joints that are max_error beyond their keypoints, against the wrong pixels",
+               "They decide where silhouettes do not: a limb that is 10 cm off has more wrong pixels"),
         option(&O::annealing, "annealing", "Options of the particles"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// Error (limbs), m, of each limb in the pose `dofs` (D): how far its rendered pixels lie outside the masks, plus how far mask
-/// pixels that nothing explains lie from the rendering, summed and divided by the limb's pixels. What is not explained is
-/// counted, a connected piece at a time, for the limb whose bones pass nearest in the image. Pixels count by reliability: cloth
-/// that flies loses no limb.
+/// Error (limbs), m, of each limb in the pose `dofs` (D): distances of its rendered pixels that lie outside the masks to these,
+/// plus distances of unexplained mask pixels to the rendering, summed and divided by the number of the limb's pixels. Each
+/// connected set of unexplained pixels is assigned to the limb whose bones are nearest in the image. Pixels are weighted by
+/// reliability, so that flying cloth does not make a limb count as lost.
 Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &limbs,
                             const LimbSearchOptions &options, const Context &context);
 
-/// Overlap energy of a pose: pixels rendered outside the masks, and mask pixels not covered, over the mask pixels; mean over the
-/// views; and LimbSearchOptions::keypoint_weight for joints that are not where keypoints show them. 0 = all agrees.
+/// Overlap energy of a pose: pixels rendered outside the masks plus mask pixels not covered, divided by the mask pixels, mean
+/// over the views; plus LimbSearchOptions::keypoint_weight times the error of joints with keypoints. 0 = perfect agreement.
 double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, const LimbSearchOptions &options,
                       const Context &context);
 
-/// The swap point: a pose with lost limbs in, a better one out; may only change the limbs' degrees of freedom.
+/// The swap point: a pose with lost limbs in, a better pose out; may only change the degrees of freedom of these limbs.
 /// Threads: one call at a time, frame after frame.
 class LimbSearch {
 public:
@@ -87,8 +87,8 @@ public:
   /// `lost`: in the order of find_limbs(). Returns a pose (D), within the joint limits.
   virtual Eigen::VectorXd search(const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &lost,
                                  const Context &context) = 0;
-  /// Interacting simulated annealing, one limb after the other, of the overlap in its own pixels and the distance to the
-  /// prediction.
+  /// Interacting simulated annealing, one limb after the other; the energy is the overlap error in the limb's own pixels and the
+  /// distance to the prediction.
   static std::unique_ptr<LimbSearch> create(const LimbSearchOptions &options = {});
 };
 

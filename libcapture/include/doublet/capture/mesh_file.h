@@ -7,11 +7,11 @@
 
 namespace doublet {
 
-/// .ply, .obj, .stl, .off, .glb: vertices and faces, nothing else; polygons become triangles, seams (open edges at one place) are
-/// closed, what a scene of .glb shows is one mesh in metres. Throws FileNotFound, or Error naming the file if it is malformed or
-/// truncated, or (but for STL) longer than it says, or unless the mesh is usable (require_usable).
+/// .ply, .obj, .stl, .off, .glb: only vertices and faces are read; polygons become triangles, seams (coinciding open edges) are
+/// closed, all meshes of a .glb scene become one mesh in metres. Throws FileNotFound, or Error naming the file if it is
+/// malformed, truncated or (except STL) longer than its header says, or if the mesh is not usable (require_usable).
 Mesh read_mesh(const std::filesystem::path &path);
-/// All of these but .glb, complete or not at all. Throws Error naming the file if the mesh is not usable, or the disk is full.
+/// The same formats except .glb, written atomically. Throws Error naming the file if the mesh is not usable, or the disk is full.
 void write_mesh(const std::filesystem::path &path, const Mesh &mesh);
 
 } // namespace doublet

@@ -8,7 +8,7 @@
 
 namespace doublet {
 
-/// Boundary of a mask. Arrays of one length N, about one entry a boundary pixel; neighbours along a loop follow each other.
+/// Boundary of a mask. Arrays of one length N, about one entry per boundary pixel, in order along each loop.
 struct Outline {
   std::vector<Eigen::Vector2f>
       points; ///< pixels; on the boundary itself, i.e. about half a pixel outside the last inside pixel's centre
@@ -17,19 +17,20 @@ struct Outline {
   bool empty() const { return points.empty(); }
 };
 
-/// Traces outer boundaries and holes (Suzuki & Abe 1985). The staircase is smoothed over 5 pixels. Points within `margin` pixels
-/// of the image border are left out: there the image ends, not the actor. Loops of fewer than 12 pixels are noise and left out,
-/// too.
+/// Traces outer boundaries and holes (Suzuki & Abe 1985). The pixel steps are smoothed over 5 pixels. Points within `margin`
+/// pixels of the image border are left out: there the image ends, not the actor. Loops of fewer than 12 pixels are noise and left
+/// out, too.
 Outline trace_outline(const Image &mask, int margin = 2);
 
-/// The same of a mask of `width` x `height` of which `part` holds all that is inside; its first pixel is (x, y) of the whole.
+/// The same for a mask of `width` x `height` whose inside pixels all lie in `part`; the first pixel of `part` is (x, y) of the
+/// mask.
 Outline trace_outline(const Image &part, int x, int y, int width, int height, int margin = 2);
 
-/// Fills loops of boundary points back into a mask (even-odd rule): what trace_outline saw, but for loops cut at the image
-/// border. `points` as in Outline::points or ViewObservation::contour.
+/// Fills loops of boundary points to a mask (even-odd rule): the inverse of trace_outline, except for loops that are cut at the
+/// image border. `points` as in Outline::points or ViewObservation::contour.
 Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int height);
 
-/// Uniform grid over the points of an outline, of which it has a copy; const calls are safe from many threads.
+/// Uniform grid over the points of an outline, which it copies; const calls are thread-safe.
 class OutlineIndex {
 public:
   OutlineIndex(Outline outline, int width, int height);

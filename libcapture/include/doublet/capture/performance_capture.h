@@ -40,10 +40,10 @@ struct CaptureOptions {
   double offset_decay = 0.95;
   double cloth_deviation_scale = 0.01;
   int smooth_window = 5, smooth_order = 2;
-  /// Every frame is appended as it is tracked. A capture that was stopped, in whatever way, goes on after the last whole one, to
-  /// the same bits. A checkpoint of other options, another actor, rig or images, or another version, is not used, and the log
-  /// says so; pieces of one's own (CaptureParts) are only known to be some: remove the file when they change. It is left there,
-  /// for whoever keeps the result to remove.
+  /// Every frame is appended when it has been tracked. A capture that was interrupted in any way resumes after the last complete
+  /// frame, with the same bits. A checkpoint of other options, another actor, rig or images, or another version is ignored, which
+  /// is logged. Custom parts (CaptureParts) are not identified: remove the file when they change. The file is not removed at the
+  /// end; the caller does that.
   Path checkpoint;
   static constexpr auto describe() {
     using namespace options;
@@ -54,7 +54,7 @@ struct CaptureOptions {
         option(&O::frame_count, "frame_count", at_least(-1), "", "Number of frames; -1 = to the end"),
         option(&O::start_frame, "start_frame", at_least(-1), "",
                "Video frame from which tracking goes both ways; -1 = the first, or the one most like the scan",
-               "The first if it is in the scan's pose, or else the frame that comes nearest to it"),
+               "The first if it is in the scan's pose, otherwise the frame that is closest to it"),
         option(&O::cameras, "cameras", "Names of the cameras to use; none = all"),
         option(&O::use_sift, "use_sift", "Texture features are detected and matched; off = silhouettes alone"),
         option(&O::features, "features", "Options of the feature tracker"),
@@ -62,34 +62,33 @@ struct CaptureOptions {
         option(&O::limbs, "limbs", "Options of the search for lost limbs"),
         option(&O::surface, "surface", "Options of the surface refiner"),
         option(&O::refine_cameras, "refine_cameras",
-               "Calibration and delays are mended where the take shows that they are clearly off"),
+               "Calibration and delays are corrected where the take shows that they are clearly wrong"),
         option(&O::calibration, "calibration", "Options of the refinement of the cameras"),
         option(&O::find_lost_limbs, "find_lost_limbs", "Limbs that the local optimisation has lost are searched for globally"),
         option(&O::extra_twist_range, "extra_twist_range", at_least(0), "rad",
-               "The last joint of a limb may turn about the bone before it by this, each way; 0 = not at all",
-               "A foot turns in and out, which the session's hinge does not know; else the whole leg turns with it"),
-        option(&O::second_pass, "second_pass",
-               "Everything is tracked a second time, when it is known which vertices are loose cloth"),
+               "Allowed twist of a limb's last joint about the bone before it, each way; 0 = none",
+               "A foot turns in and out, which the session's hinge does not allow; without it the whole leg turns"),
+        option(&O::second_pass, "second_pass", "The take is tracked again once it is known which vertices are loose cloth"),
         option(&O::use_feature_map, "use_feature_map", "Features of the first frame are found again in every frame",
                "Tracks from frame to frame alone drift"),
         option(&O::map_search_radius, "map_search_radius", above(0), "",
                "Distance within which a mapped feature is sought, as a share of the silhouette's height"),
         option(&O::keypoint_tolerance, "keypoint_tolerance", at_least(0), "m",
-               "Distance of a joint from where keypoints show it that tells nothing, and more where they are less steady",
-               "Programs are 2 to 3 cm off on what they see, twice that under clothes"),
+               "Distance of a joint from its keypoints that is ignored; larger where keypoints are unsteady",
+               "Detectors are off by 2 to 3 cm on what they see, by twice that under clothes"),
         option(
             &O::velocity_damping, "velocity_damping", Range{0, 1}, "",
-            "Share of the last velocity that is expected again; 0 = stay, 1 = go on at the same speed",
+            "Share of the last velocity in the prediction; 0 = stay, 1 = go on at the same speed",
             "With 0.8 and an acceleration of 0.3 two motions are predicted to 0.98 and 0.49 degrees, RMS; 1.18 and 0.58 without"),
-        option(&O::acceleration, "acceleration", Range{0, 1}, "", "Share of the last change of velocity that is expected again"),
+        option(&O::acceleration, "acceleration", Range{0, 1}, "", "Share of the last change of velocity in the prediction"),
         option(&O::offset_decay, "offset_decay", Range{0, 1}, "",
-               "Share of the non-rigid offset that is expected again in the next frame"),
+               "Share of the non-rigid offset that is predicted for the next frame"),
         option(&O::cloth_deviation_scale, "cloth_deviation_scale", above(0), "m",
                "A vertex that usually lies this far from its skinned position has half the weight in the pose"),
         option(&O::smooth_window, "smooth_window", at_least(1), "",
                "Frames of the Savitzky-Golay filter of pose and offsets, an odd number; 1 = off"),
         option(&O::smooth_order, "smooth_order", at_least(0), "", "Order of the Savitzky-Golay filter"),
-        not_serialised(&O::checkpoint, "checkpoint", "File from which a capture that was stopped goes on; empty = none"),
+        not_serialised(&O::checkpoint, "checkpoint", "File from which an interrupted capture resumes; empty = none"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -104,28 +103,28 @@ struct LostLimb {
   bool recovered = false; ///< after <= LimbSearchOptions::lost_error
 };
 
-/// In how many frames the bone that a joint moves was
+/// Number of frames in which the bone that a joint moves was
 struct JointVisibility {
   std::string joint; ///< one with degrees of freedom
   int seen = 0;      ///< covered by enough visible surface that moves with the skeleton,
-  int inferred = 0;  ///< hidden, by a garment or by its limb's place: it follows from the joints before and after it,
+  int inferred = 0;  ///< hidden by a garment or by other limbs: it follows from the joints before and after it,
   int lost = 0;      ///< in a limb that was lost and not found again.
 };
 
 struct CaptureSummary {
-  std::vector<double> rim_px, sift_px;   ///< (T) mean residual per frame, pixels
-  std::vector<double> keypoint_distance; ///< (T) m, mean of the joints that keypoints show from there; NaN where there are none
-  std::vector<double> silhouette_iou;    ///< (T) mean over cameras, of the refined surface against the measured masks
-  std::vector<int> views;                ///< (T) cameras that took part
+  std::vector<double> rim_px, sift_px;        ///< (T) mean residual per frame, pixels
+  std::vector<double> keypoint_distance;      ///< (T) m, mean distance of joints from their keypoints; NaN where there are none
+  std::vector<double> silhouette_iou;         ///< (T) mean over cameras, of the refined surface against the measured masks
+  std::vector<int> views;                     ///< (T) cameras that took part
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
   std::vector<LostLimb> lost_limbs;           ///< in the order of frames
   int start_frame = 0;                        ///< video frame number: tracking went from it to the last, then to the first
   std::vector<JointVisibility> joints;        ///< in the order of the skeleton
-  /// What the take says about each camera of the rig, by the last look at it; none if the cameras were not to be refined.
+  /// Result for each camera of the rig, from the last refinement; empty if refinement was off.
   std::vector<RefinedCamera> cameras;
   bool cameras_refined = false; ///< poses and observations are of the refined cameras, otherwise of the given ones
-  /// Whole run, the parts of one that went on from a checkpoint included: images to outlines, features and their matches;
-  /// features lifted to the surface and found by the map; poses; the check of limbs and the search for lost ones; surfaces.
+  /// Times of the whole run, including those before a resume: images to outlines, features and their matches; features lifted to
+  /// the surface and matched with the map; poses; the check of limbs and the search for lost ones; surfaces.
   double measure_seconds = 0, map_seconds = 0, pose_seconds = 0, limb_seconds = 0, surface_seconds = 0;
   double seconds_per_frame = 0;
 };
@@ -136,10 +135,10 @@ struct CaptureResult {
   CaptureSummary summary;
 };
 
-/// The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.
+/// The session with the cameras that the capture used: the refined ones if there are any, with their delays corrected.
 Session filmed(Session session, const CaptureResult &captured);
 
-/// The pieces of a capture, each with its own swap point. A null piece is made from the options.
+/// The parts of a capture, each a swap point. Null = created from the options.
 struct CaptureParts {
   std::shared_ptr<FeatureTracker> features;
   std::shared_ptr<PoseOptimizer> pose;
@@ -149,13 +148,13 @@ struct CaptureParts {
 
 /// The swap point: (rigged mesh, rig, frames, context) -> reference performance and the 2D observations it used.
 /// Threads: one call at a time, since its parts may keep state. `frames` is read from several threads, each camera from one at a
-/// time; the extractor is asked from several at once.
+/// time; the extractor is called from several at once.
 class PerformanceCapture {
 public:
   virtual ~PerformanceCapture() = default;
   /// `extractor` must be trained; it may be null if every frame has a ready mask. Throws Error if an image does not have its
-  /// camera's size, or an image has neither mask nor extractor; std::invalid_argument if frames, rig and options do not go
-  /// together; Cancelled after the user asked to stop.
+  /// camera's size, or has neither mask nor extractor; std::invalid_argument if frames, rig and options do not fit together;
+  /// Cancelled after the user asked to stop.
   virtual CaptureResult capture(const RiggedMesh &actor, const CameraRig &rig, FrameSource &frames,
                                 const SilhouetteExtractor *extractor, const Context &context) = 0;
   static std::unique_ptr<PerformanceCapture> create(const CaptureOptions &options = {});

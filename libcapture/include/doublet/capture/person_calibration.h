@@ -1,8 +1,8 @@
 #pragma once
-// Cameras without a board: bundle adjustment (Triggs et al. 2000) of cameras and joints over many moments, the person being the
-// object that all cameras see. Planes through two cameras' centres that touch her silhouette in one touch it in the other
-// (frontier points: Sinha, Pollefeys, McMillan 2004), which tells directions finer than joints do. Her bones keep their lengths,
-// which tells focal lengths; how tall she is tells the scale, how she stands which way is up.
+// Calibration without a board: bundle adjustment (Triggs et al. 2000) of cameras and joints over many frames, with the person as
+// the object that all cameras see. A plane through two camera centres that is tangent to the silhouette in one view is tangent in
+// the other (frontier points: Sinha, Pollefeys, McMillan 2004), which determines camera directions more precisely than joints do.
+// Constant bone lengths determine the focal lengths, the person's height the scale, the standing person the up direction.
 
 #include "doublet/capture/keypoints.h"
 #include "doublet/core/camera.h"
@@ -24,8 +24,8 @@ struct PersonCalibrationOptions {
     using O = PersonCalibrationOptions;
     return Description{
         "PersonCalibrationOptions",
-        option(&O::height, "height", Range{0.3, 3}, "m", "Height of the person, which tells the scale"),
-        option(&O::focal_error, "focal_error", above(0), "", "Expected error of a focal length that is known, as a share of it"),
+        option(&O::height, "height", Range{0.3, 3}, "m", "Height of the person, which fixes the scale"),
+        option(&O::focal_error, "focal_error", above(0), "", "Expected relative error of a known focal length"),
         option(&O::keypoint_error, "keypoint_error", above(0), "",
                "Expected error of a keypoint, as a share of the image's larger side"),
         option(&O::moments, "moments", at_least(10), "", "Number of frames that are used, spread evenly over the take"),
@@ -35,26 +35,26 @@ struct PersonCalibrationOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// What one camera saw of the person.
+/// What one camera shows of the person.
 struct PersonView {
   std::string name;
   int width = 0, height = 0;  ///< px
-  double focal = 0;           ///< px; 0 = not known, it is looked for
+  double focal = 0;           ///< px; 0 = unknown, it is estimated
   std::vector<Keypoint> seen; ///< T x kKeypoints, frame after frame; all views have the same frames
-  /// Of T frames, or of none: corners (px) of the convex hull of her silhouette, silhouette_hull(); empty = not known. A few
+  /// [T] or empty: corners (px) of the convex hull of the silhouette, from silhouette_hull(); an empty hull = unknown. A few
   /// dozen frames spread over the take are enough.
   std::vector<std::vector<Eigen::Vector2d>> silhouettes;
 };
 
-/// Corners (px) of the convex hull of a silhouette, around its pixels; empty if there is none, or if it touches a border of the
-/// image, beyond which nobody knows. Throws std::invalid_argument unless the mask has one channel.
+/// Corners (px) of the convex hull of a silhouette, around its pixels; empty if the mask is empty, or touches a border of the
+/// image, since the silhouette may then continue outside. Throws std::invalid_argument unless the mask has one channel.
 std::vector<Eigen::Vector2d> silhouette_hull(const Image &mask);
 
-/// What became of one camera.
+/// Result for one camera.
 struct PersonCamera {
-  double agreeing = 0; ///< share of its keypoints that lie within three expected errors of where the cameras have the joint
-  double error = 0;    ///< px, median of these; NaN if none agrees
-  /// m, median: how far the planes that touch her in this camera and in another are apart at her; NaN without silhouettes.
+  double agreeing = 0; ///< share of its keypoints within three expected errors of the projected joints
+  double error = 0;    ///< px, median error of these; NaN if none agrees
+  /// m, median distance, at the person, between the tangent planes of this camera and of another; NaN without silhouettes.
   double tangent_error = 0;
 };
 
@@ -65,8 +65,8 @@ struct PersonCalibration {
   std::vector<int> frames; ///< of the moments
 };
 
-/// Cameras that stand still, from the joints of one person who moves before them. Throws std::invalid_argument for views that do
-/// not go together, Error naming the camera where too few keypoints are common or do not agree.
+/// Calibrates static cameras from the joints of one person who moves in front of them. Throws std::invalid_argument for views
+/// that do not fit together, Error naming the camera if it has too few keypoints in common with the others, or they do not agree.
 PersonCalibration calibrate_from_person(const std::vector<PersonView> &views, const PersonCalibrationOptions &options = {},
                                         const Context &context = {});
 

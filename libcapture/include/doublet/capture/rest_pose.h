@@ -1,6 +1,6 @@
 #pragma once
-// The rest pose again, from what was tracked: where there is no scanner the template is one frame's hull, and the frames around
-// it show the body better.
+// Refines the template in the rest pose from tracked frames: without a scanner the template is the visual hull of one frame, and
+// many frames show the body better.
 
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
@@ -23,23 +23,23 @@ struct RestPoseOptions {
     return Description{
         "RestPoseOptions",
         option(&O::frames, "frames", Range{1, 1000}, "",
-               "Number of least bent frames of which the median place of a vertex is taken"),
+               "Number of frames, the least bent ones, over which the median position of a vertex is taken"),
         option(&O::max_bend, "max_bend", Range{0, std::numbers::pi}, "rad",
-               "Frames tell nothing of a vertex whose joints are bent more, on average by skin weight",
+               "Frames are not used for a vertex if its joints, weighted by skin weight, are bent by more",
                "The default is 15 degrees"),
         option(&O::smoothing, "smoothing", Range{0.001, 0.1}, "m",
-               "Detail of the correction that is smaller than this is taken for noise"),
+               "Details of the correction that are smaller than this are taken for noise"),
         option(&O::fade_distance, "fade_distance", Range{0.001, 1}, "m",
-               "Distance over which the correction of skin fades out in the cloth beside it", "Cloth itself is not corrected"),
+               "Distance over which the correction of skin fades out in adjacent cloth", "Cloth itself is not corrected"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// (V, 3) m: the actor's vertices in the rest pose, those that follow the skeleton (rigid (V) != 0: skin, not cloth) on valid
-/// faces moved to where the frames, taken back to the rest pose (canonical_frames()), have them. A membrane carries the
-/// correction over what no frame tells of, and out into the rest. Throws std::invalid_argument unless actor, performance and
-/// rigid go together; Error if no frame tells of any vertex.
+/// (V, 3) m: the actor's vertices in the rest pose. Vertices on valid faces that follow the skeleton (rigid (V) != 0: skin, not
+/// cloth) are moved to their median position in the frames transformed back to the rest pose (canonical_frames()). A membrane
+/// interpolates the correction where no frame can be used, and fades it out in the rest. Throws std::invalid_argument unless the
+/// sizes of actor, performance and rigid agree; Error if no frame can be used for any vertex.
 Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &performance, const Mask &rigid,
                           const RestPoseOptions &options = {}, const Context &context = {});
 

@@ -23,7 +23,7 @@ struct SurfacePoint {
 
 /// The rendered outline of a surface in one view; the arrays of `outline` and `surface` go together.
 struct Rims {
-  Outline outline;                   ///< points in pixels of the full-size camera (its `pixels` are of the rendering)
+  Outline outline;                   ///< points in pixels of the full-size camera (its `pixels` are those of the rendering)
   std::vector<SurfacePoint> surface; ///< the surface point seen at the last inside pixel
   std::vector<Eigen::Vector2f>
       seen;                    ///< where it projects to, pixels of the full-size camera; up to a pixel inside outline.points
@@ -51,19 +51,19 @@ struct RimMatchOptions {
     using O = RimMatchOptions;
     return Description{
         "RimMatchOptions",
-        option(&O::count, "count", at_least(1), "", "Number of correspondences that are sought a view and direction",
-               "Enough for a few on a finger-wide part"),
-        option(&O::gate, "gate", above(0), "m", "Outlines farther away are no match"),
+        option(&O::count, "count", at_least(1), "", "Number of correspondences that are sought per view and direction",
+               "Enough for a few on a part as wide as a finger"),
+        option(&O::gate, "gate", above(0), "m", "Points farther apart than this are not matched"),
         option(&O::min_cosine, "min_cosine", Range{-1, 1}, "", "Smallest cosine between the normals of a match",
                "At 0.5 they may differ by 60 degrees"),
         option(&O::both_directions, "both_directions", "The measured outline is matched to the rendered one, too",
-               "Nothing measured goes unexplained"),
+               "So that all of the measured outline must be explained"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// Matches of one view. `unmatched` counts the samples without partner; `index` is over `measured`.
+/// Matches of one view. `unmatched` counts the samples without a match; `index` must be built from `measured`.
 struct RimMatches {
   std::vector<RimConstraint> constraints;
   int unmatched = 0;

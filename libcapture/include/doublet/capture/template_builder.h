@@ -34,10 +34,11 @@ struct TemplateOptions {
                "A scan is good to 1 or 2 mm"),
         option(&O::density_drop, "density_drop", at_least(0), "octree levels",
                "A point lies over a hole if the scan is also this much sparser there than usual",
-               "One level is a quarter of the samples"),
-        option(&O::narrow_hole, "narrow_hole", at_least(0), "m", "Narrower folds that run into the hem unseen stay valid"),
+               "One level less means a quarter of the samples"),
+        option(&O::narrow_hole, "narrow_hole", at_least(0), "m",
+               "Narrower folds that open at the hem and were not scanned stay valid"),
         option(&O::large_hole, "large_hole", above(0), "m^2", "Holes from this size on are suggested as invalid",
-               "More than a foot's sole, which is rightly closed"),
+               "More than the sole of a foot, which is closed correctly"),
         option(&O::sheet_hole, "sheet_hole", above(0), "m^2",
                "Holes with two borders or more are suggested as invalid from this size on",
                "Garment and limb: a closing surface at a hem"),
@@ -54,7 +55,7 @@ struct Template {
 
 Template build_template(const Mesh &scan, const TemplateOptions &options = {}, const Context &context = {});
 
-/// What can disappoint about one of the surfaces.
+/// Quality of one of the surfaces.
 struct SurfaceQuality {
   int triangles = 0;
   int self_intersections = 0;                         ///< triangles that pass through another one
@@ -75,7 +76,7 @@ TemplateSummary summarise_template(const Template &surface, const Mesh &scan, co
 /// template_suggestion.npz (docs/formats.md): the masks of both surfaces.
 void write_template_suggestion(const std::filesystem::path &path, const Template &surface);
 
-/// Everything at once: template, skeleton from the marks, weights.
+/// The whole rig: template, skeleton from the annotated joints, skin weights.
 RiggedMesh rig_template(const Template &surface, const std::vector<JointAnnotation> &joints, const Context &context = {});
 
 } // namespace doublet

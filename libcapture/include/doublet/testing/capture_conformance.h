@@ -69,8 +69,8 @@ inline std::vector<std::string> tried(const char *who, const std::function<void(
 
 } // namespace detail
 
-/// Every camera has frames; an image is empty or BGR, a mask empty or of 0 and 255, both of one size a camera; a frame asked for
-/// again, after another one, is the same; there is an image or a mask.
+/// Every camera has frames; an image is empty or BGR, a mask is empty or of 0 and 255, both of one size per camera; a frame read
+/// again after another one is the same; there is an image or a mask.
 inline std::vector<std::string> frame_source_violations(FrameSource &frames) {
   return detail::tried("the source", [&](std::vector<std::string> &broken) {
     if (frames.camera_count() < 1 || frames.frame_count() < 1) {
@@ -98,8 +98,8 @@ inline std::vector<std::string> frame_source_violations(FrameSource &frames) {
   });
 }
 
-/// Trained with `training`, it makes a mask of the size of `image`, in which some is the actor and some is not, the same one
-/// twice; before that, or from an image of one channel, it throws.
+/// Trained with `training`, it returns a mask of the size of `image` with pixels of both kinds, the same one in a second call;
+/// before training, or for an image of one channel, it throws.
 inline std::vector<std::string> silhouette_extractor_violations(SilhouetteExtractor &extractor,
                                                                 const std::vector<Image> &training, const Image &image) {
   return detail::tried("the extractor", [&](std::vector<std::string> &broken) {
@@ -124,8 +124,8 @@ inline std::vector<std::string> silhouette_extractor_violations(SilhouetteExtrac
   });
 }
 
-/// Features lie in the mask, one descriptor each, the same ones twice; matches are indices, none twice, none beyond `reach`; and
-/// an image, which has something to track, matches itself.
+/// Features lie in the mask, have one descriptor each, and are the same in a second call; matches are valid indices, none used
+/// twice, none farther than `reach`; an image with features matches itself.
 inline std::vector<std::string> feature_tracker_violations(const FeatureTracker &tracker, const Image &image, const Image &mask,
                                                            double reach) {
   return detail::tried("the tracker", [&](std::vector<std::string> &broken) {
@@ -162,8 +162,8 @@ inline std::vector<std::string> feature_tracker_violations(const FeatureTracker 
   });
 }
 
-/// A finite pose of all degrees of freedom, residuals of at least 0, the same bits from the same problem; a start 2 cm beside
-/// ends at the same pose; and an actor that was changed where it stands in memory is another actor.
+/// A finite pose of all degrees of freedom, residuals of at least 0, the same bits from the same problem; a start that is 2 cm
+/// off ends at the same pose; an actor that was modified in place is treated as another actor.
 inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimizer, const PoseProblem &problem) {
   return detail::tried("the optimizer", [&](std::vector<std::string> &broken) {
     if (!problem.actor)
@@ -196,8 +196,8 @@ inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimiz
   });
 }
 
-/// A finite surface of all vertices, residuals of at least 0, the same bits from the same problem; a base 2 cm beside is drawn
-/// back; and an actor that was changed where it stands in memory is another actor.
+/// A finite surface of all vertices, residuals of at least 0, the same bits from the same problem; a base that is 2 cm off is
+/// pulled back; an actor that was modified in place is treated as another actor.
 inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refiner, const SurfaceProblem &problem) {
   return detail::tried("the refiner", [&](std::vector<std::string> &broken) {
     if (!problem.actor)
@@ -230,9 +230,9 @@ inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refin
   });
 }
 
-/// A finite pose within the limits of the skeleton, in which only the lost limbs have moved, and are nearer to the masks if they
-/// were lost indeed; none moves if none is lost; the same bits from the same problem. `dofs` (D) within the limits; `lost` of
-/// find_limbs(), not empty.
+/// A finite pose within the limits of the skeleton, in which only the lost limbs have moved, and which is closer to the masks if
+/// they were in fact lost; nothing moves if `lost` is empty; the same bits from the same problem. `dofs` (D) within the limits;
+/// `lost` from find_limbs(), not empty.
 inline std::vector<std::string> limb_search_violations(LimbSearch &search, const LimbProblem &problem,
                                                        const Eigen::VectorXd &dofs, const std::vector<Limb> &lost) {
   return detail::tried("the search", [&](std::vector<std::string> &broken) {
@@ -267,9 +267,9 @@ inline std::vector<std::string> limb_search_violations(LimbSearch &search, const
   });
 }
 
-/// A performance of the actor and observations of as many frames and cameras, in the order of the film; its surface covers the
-/// ready masks of the last frame, if there are any; the same bits a second time; a rig of another number of cameras is refused.
-/// As PerformanceCapture::capture.
+/// A performance of the actor and observations of the same frames and all cameras, in the order of the video; its surface covers
+/// the ready masks of the last frame, if there are any; the same bits in a second call; a rig with another number of cameras is
+/// refused. Arguments as in PerformanceCapture::capture.
 inline std::vector<std::string> performance_capture_violations(PerformanceCapture &capture, const RiggedMesh &actor,
                                                                const CameraRig &rig, FrameSource &frames,
                                                                const SilhouetteExtractor *extractor = nullptr) {

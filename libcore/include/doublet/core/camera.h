@@ -26,14 +26,14 @@ struct Camera {
   double depth(const Eigen::Vector3d &point) const { return R.row(2).dot(point) + t.z(); }
   /// Unit direction in the world of the ray through a pixel; undistorts by fixed-point iteration.
   Eigen::Vector3d ray_direction(const Eigen::Vector2d &pixel) const;
-  /// The same camera for images resized to the given size (pixel centres stay at integers).
+  /// The same camera for images resized to the given size (pixel centres remain at integers).
   Camera resized(int new_width, int new_height) const;
 };
 
 /// The calibrated cameras of a session.
 using CameraRig = std::vector<Camera>;
 
-/// Throws Error naming `source` if K, R or the size make no sense (R not a rotation to 1e-3, focal length <= 0, NaN, size <= 0).
+/// Throws Error naming `source` if K, R or the size are invalid (R not a rotation to 1e-3, focal length <= 0, NaN, size <= 0).
 void validate_camera(const Camera &camera, const std::string &source);
 
 } // namespace doublet

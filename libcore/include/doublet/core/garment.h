@@ -7,46 +7,44 @@
 
 namespace doublet {
 
-/// All cloth of a character as a regular mesh on the actor's surface. File: garment.npz.
+/// All cloth of a character as a mesh with regular triangles on the actor's surface. File: garment.npz.
 struct Garment {
-  Mesh mesh;                    ///< (G, 3) m in the scan pose, (H, 3); one component or more a region, bounded by clean loops
+  Mesh mesh;                    ///< (G, 3) m in the scan pose, (H, 3); one or more components per region, bounded by simple loops
   Eigen::VectorXi region;       ///< (G) cloth region of each vertex
-  Eigen::VectorXd clothness;    ///< (G) 0 = hangs on the skeleton, 1 = free, between = the attachment's band
-  Vertices rest;                ///< (G, 3) m, the shape that lengths and masses come from: spread out, not hanging in folds
-  std::vector<Vertices> widths; ///< [K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone
-  Eigen::VectorXi actor_face;   ///< (G) the place of each vertex on the actor: face ...
-  Vertices barycentric;         ///< (G, 3) ... and weights of its corners
-  Mask replaced_faces;          ///< (F) faces of the actor that the garment stands for
-  /// (V) in [0, 1] of the actor's cloth: 1 = carried by the body, which it follows as skin does, 0 = hangs free; empty = all
-  /// free.
+  Eigen::VectorXd clothness;    ///< (G) 0 = attached to the skeleton, 1 = free, between = the band of the attachment
+  Vertices rest;                ///< (G, 3) m, the shape that defines lengths and masses: spread out, not hanging in folds
+  std::vector<Vertices> widths; ///< [K] (G, 3) m, rest shapes to choose from, the widest first; empty = only `rest`
+  Eigen::VectorXi actor_face;   ///< (G) position of each vertex on the actor: face ...
+  Vertices barycentric;         ///< (G, 3) ... and barycentric coordinates
+  Mask replaced_faces;          ///< (F) faces of the actor that the garment replaces
+  /// (V) in [0, 1], for the actor's cloth: 1 = carried by the body and moves like skin, 0 = hangs free; empty = all free.
   Eigen::VectorXd attachment = {};
   int region_count = 0;
 };
 
-/// Throws Error naming `what`, expectation and finding if the arrays do not fit together or to the actor.
+/// Throws Error naming `what`, expectation and finding if the arrays do not fit each other or the actor.
 void validate_garment(const Garment &garment, const RiggedMesh &actor, const std::string &what);
 
-/// (G, C) values of the actor's vertices (V, C) at the places of the garment's.
+/// (G, C) values of the actor's vertices (V, C), interpolated at the garment's vertices.
 MatrixRM interpolate_to_garment(const Garment &garment, const Faces &actor_faces, const MatrixRM &values);
 
-/// The garment in the widths (R) that are `chosen`, a position among those it offers for each region: 0 = the first, 0.5 =
-/// halfway to the second; the only one it still offers. Without widths to choose from, or with an empty choice, the garment in
-/// its `rest`. Throws std::invalid_argument for another number of regions, or a position that is not between the first and the
-/// last.
+/// The garment in one width, without others to choose from. `chosen` (R): for each region a position among Garment::widths, 0 =
+/// the first, 0.5 = halfway between first and second. Without widths to choose from, or with an empty `chosen`, its `rest` is
+/// used. Throws std::invalid_argument for another number of regions, or a position beyond the first or the last width.
 Garment choose_widths(const Garment &garment, const std::vector<double> &chosen = {});
 
-/// [K] the garment in each of the widths that it offers; one that offers none alone.
+/// [K] the garment in each of its widths; without widths to choose from, the garment itself.
 std::vector<Garment> width_variants(const Garment &garment);
 
-/// [garments][count] positions at which several meshes of one garment, made from several takes, have the same area at rest: from
-/// the widest that all offer to the narrowest. Throws std::invalid_argument if one offers no choice, or they have no area in
-/// common.
+/// [garments][count] positions among the widths at which several meshes of one garment, made from several takes, have the same
+/// rest area: from the widest that all have to the narrowest. Throws std::invalid_argument if one has no widths to choose from,
+/// or their ranges of areas do not overlap.
 std::vector<std::vector<double>> common_widths(const std::vector<Garment> &garments, int count);
 
-/// The actor in the garment: vertices [0, V) are the actor's, [V, V + G) the garment's, which have the skin weights of their
-/// place; those of the actor's faces that it covers count as invalid. Everything that
-/// takes an actor and a segmentation takes these. With a garment without vertices the cloth is the loose part of the actor's own
-/// mesh, but for what is carried by the body (Garment::attachment): that is no cloth any more.
+/// The actor in the garment: vertices [0, V) are the actor's, [V, V + G) the garment's, with skin weights interpolated from the
+/// actor's; the actor's faces that the garment replaces are invalid. Can be used wherever an actor and a segmentation are
+/// expected. If the garment has no vertices, the cloth is that of the actor's own mesh, without the part that is carried by the
+/// body (Garment::attachment).
 struct DressedActor {
   RiggedMesh actor;          ///< V + G vertices, F + H faces
   Segmentation segmentation; ///< (V + G), cloth on the garment alone

@@ -1,5 +1,5 @@
 #pragma once
-// A triangle mesh and the few measures every stage needs.
+// A triangle mesh, its checks and basic measures.
 
 #include "doublet/core/types.h"
 

@@ -1,6 +1,5 @@
 #pragma once
-// A z-buffer: which face is seen at each pixel, and how far away. Used for silhouettes, visibility, lifting features and
-// rendering.
+// A z-buffer: the visible face at each pixel and its depth. Used for silhouettes, visibility, lifting features and rendering.
 
 #include "doublet/core/camera.h"
 #include "doublet/core/image.h"
@@ -27,8 +26,8 @@ struct FaceWindow {
   int x = 0, y = 0;
 };
 
-/// As rasterize(), and the same faces and depths, but of that part alone in which vertices lie and `margin` pixels around it, as
-/// far as the image goes; an empty buffer if none lies in the image.
+/// As rasterize(), with the same faces and depths, but only for the part of the image that contains vertices, plus `margin`
+/// pixels; an empty buffer if no vertex is in the image.
 FaceWindow rasterize_window(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid = {},
                             int margin = 0);
 

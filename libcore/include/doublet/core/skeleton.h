@@ -21,7 +21,7 @@ enum class JointKind {
   Hinges, ///< 1 or 2 dof: R = exp(axes[0] a0) exp(axes[1] a1)
 };
 
-/// A joint as the user marks it (joints.json).
+/// A joint as the user annotates it (joints.json).
 struct JointAnnotation {
   std::string name;
   std::string parent;       ///< empty for the root
@@ -47,7 +47,7 @@ struct Skeleton {
   int dof_count() const { return static_cast<int>(dof_names.size()); }
   /// Index of a joint; throws Error naming it and the joints there are if unknown.
   int find(const std::string &name) const;
-  /// Does a limb, or the neck, end at the joint: is it no joint's parent?
+  /// True if a limb, or the neck, ends at the joint: no joint has it as parent.
   bool is_leaf(int joint) const;
 };
 
@@ -56,7 +56,7 @@ struct Skeleton {
 /// on an unknown or missing parent, a cycle, no or two roots, a repeated name, a dof outside {0,1,2,3,6}.
 Skeleton make_skeleton(const std::vector<JointAnnotation> &marks);
 
-/// The inverse of make_skeleton as far as files go: name, parent, rest, dof count of every joint.
+/// The inverse of make_skeleton: name, parent, rest position and dof count of every joint.
 std::vector<JointAnnotation> joint_annotations(const Skeleton &skeleton);
 
 /// world_from_rest of every joint for the pose `dofs` (D); throws std::invalid_argument unless it is that long and finite.
@@ -73,18 +73,19 @@ struct DofTwist {
 };
 /// (D) spatial twists at the pose; exact derivatives of forward_kinematics (checked against finite differences).
 std::vector<DofTwist> dof_twists(const Skeleton &skeleton, const Eigen::VectorXd &dofs);
-/// moved(d, j): does degree of freedom d move points attached to joint j? (D, J)
+/// (D, J) true if degree of freedom d moves points attached to joint j.
 Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> dof_moves_joint(const Skeleton &skeleton);
 
-/// The pose whose joints' world rotations (relative to the rest pose) come closest to the given ones, joint by joint from the
-/// root; the root joint stands at `root_position`. A joint with freedom takes the rotation of the last fixed joint of its chain
-/// down to the next free one (spine drives chest, neck drives head). Limits are applied if asked for.
+/// The pose whose world rotations of joints (relative to the rest pose) are closest to the given ones, joint by joint from the
+/// root; the root joint is at `root_position`. A joint with degrees of freedom takes the rotation of the last fixed joint in its
+/// chain before the next joint with degrees of freedom (spine drives chest, neck drives head).
 Eigen::VectorXd pose_from_rotations(const Skeleton &skeleton, const std::vector<Eigen::Quaterniond> &world_rotations,
                                     const Eigen::Vector3d &root_position, bool apply_limits);
 
-/// The pose between `a` (s = 0) and `b` (s = 1): balls along the great arc, the root's yaw the short way round, the rest linear.
+/// The pose between `a` (s = 0) and `b` (s = 1): ball joints along the great arc, the root's yaw the short way round, the rest
+/// linear.
 Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s);
-/// The same into `pose`, which is neither of them.
+/// The same into `pose`, which must be neither of them.
 void interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s,
                       Eigen::VectorXd &pose);
 

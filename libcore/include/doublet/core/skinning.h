@@ -1,10 +1,11 @@
 #pragma once
 // Dual quaternion skinning, Kavan et al. 2007.
 //
-// A transform is two dual quaternions, q and -q, and which of them a blend takes decides which way round it goes. Where there is
-// a skeleton each joint takes the one nearer to its parent's, from the root outwards, so that all vertices agree, however far
-// joints in a row bend together. Without one each vertex takes those nearer to that of its heaviest joint (the paper's fix),
-// which is the same while no two joints of a vertex are more than half a turn apart, and tears the surface beyond.
+// The dual quaternions q and -q are the same transform; the sign used in a blend decides the direction of the rotation. With a
+// skeleton each joint takes the sign that is nearer to its parent's, from the root outwards, so that all vertices agree, however
+// far consecutive joints bend. Without a skeleton each vertex takes the signs nearer to that of its joint with the largest weight
+// (the paper's fix); the result is the same while no two joints of a vertex are more than half a turn apart, and beyond that the
+// surface tears.
 
 #include "doublet/core/skeleton.h"
 
@@ -21,11 +22,11 @@ using DualQuaternion = Eigen::Matrix<double, 8, 1>;
 /// (J) one per joint, with the sign that is nearer to its parent's; throws std::invalid_argument unless there are J transforms.
 void dual_quaternions(const Skeleton &skeleton, const Transforms &world_from_rest, std::vector<DualQuaternion> &joints);
 
-/// Dual quaternion skinning of one surface in many poses: the weights that are not 0 lie in a row, and once `skinned` has its
-/// size nothing is allocated. The bits of dual_quaternion_skinning() along the skeleton. Immutable.
+/// Dual quaternion skinning of one surface in many poses: stores only non-zero weights, contiguously, and allocates nothing once
+/// `skinned` has its size. Same bits as dual_quaternion_skinning() with a skeleton. Immutable.
 class SkinBinding {
 public:
-  /// rest (V, 3) finite, weights (V, J) with a row sum above 0; else std::invalid_argument.
+  /// Throws std::invalid_argument unless rest (V, 3) is finite and every row of weights (V, J) has a sum above 0.
   SkinBinding(const Vertices &rest, const MatrixRM &weights);
   /// skinned (V, 3); joints as dual_quaternions() gives them. Throws std::invalid_argument unless there are J.
   void pose(const std::vector<DualQuaternion> &joints, Vertices &skinned) const;

@@ -85,17 +85,17 @@ struct TaperedCapsule {
   double r0 = 0, r1 = 0;  ///< m
 };
 
-/// Joints of the skeleton, finite ends, positive radii; throws as require_actor.
+/// Valid joint indices, finite ends, positive radii; throws as require_actor.
 void require_proxies(const std::vector<TaperedCapsule> &proxies, const Skeleton &skeleton, const std::string &what);
 
 /// The capsule in the world for a pose.
 Capsule pose_capsule(const TaperedCapsule &capsule, const Skeleton &skeleton, const Transforms &world_from_rest);
 std::vector<Capsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
                                    const Transforms &world_from_rest);
-/// The same into a list whose memory is used again.
+/// The same into a list whose memory is reused.
 void pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton, const Transforms &world_from_rest,
                    std::vector<Capsule> &posed);
-/// Closed triangle meshes of them, one behind the other. Throws std::invalid_argument unless ends are finite and radii positive.
+/// Closed triangle meshes of the capsules, concatenated. Throws std::invalid_argument unless ends are finite and radii positive.
 Mesh capsule_mesh(const std::vector<Capsule> &capsules);
 /// Signed distance (m, negative inside) of a point to a posed capsule.
 double signed_distance(const Capsule &capsule, const Eigen::Vector3d &point);

@@ -1,5 +1,5 @@
 #pragma once
-// Faces as they are drawn: a level of detail has other ones than the surface that it stands for, of the same vertices.
+// Faces to be drawn: a level of detail has other faces than the surface it replaces, but the same vertices.
 
 #include "doublet/core/types.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// The array types every stage speaks: those of doublet/types, and what is built of Eigen's transforms.
+// The array types of all stages: those of doublet/types, and matrices and transforms of Eigen.
 
 #include "doublet/types/geometry.h"
 

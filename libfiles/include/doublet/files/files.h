@@ -1,6 +1,6 @@
 #pragma once
-// The files between stages (docs/formats.md). Every writer writes beside and renames: a file is complete or not there.
-// Readers throw FileNotFound or Error naming file, expectation and finding.
+// The files between stages (docs/formats.md). All writers are atomic (temporary file, then rename). Readers throw FileNotFound,
+// or Error naming file, expectation and finding.
 
 #include "doublet/core/garment.h"
 #include "doublet/core/stage_values.h"
@@ -15,28 +15,28 @@ namespace doublet {
 
 using Path = std::filesystem::path;
 
-/// Of the files of a reconstruction (docs/formats.md): array or key `format`. Raised when a reader of before would misread.
+/// Format number of the files of a reconstruction (docs/formats.md), in the array or key `format`. Raised when older readers
+/// would misread a file.
 inline constexpr int kFileFormat = 1;
-/// Throws Error naming the file if its format is of no version up to `newest`.
+/// Throws Error naming `source` unless `found` is a format number from 1 to `newest`.
 void require_format(int found, int newest, const std::string &source);
 
-/// Runs write(temporary path beside `path`), has it brought to the disk, then renames; removes the temporary if anything throws.
-/// A symbolic link stays: the file that it leads to is replaced.
-/// Throws Error naming `path` if it cannot be written, is a folder or a device.
+/// Runs write(temporary path in the folder of `path`), flushes the file to the disk, then renames it to `path`; removes the
+/// temporary file if anything throws. A symbolic link is kept: the file that it points to is replaced. Throws Error naming `path`
+/// if it cannot be written, is a folder or a device.
 void write_atomically(const Path &path, const std::function<void(const Path &)> &write);
-/// The same for what goes into a stream; all that it was given is there in the end, or Error says why not (full disk).
+/// The same for a stream. Throws Error unless everything was written (full disk).
 void write_stream(const Path &path, const std::function<void(std::ostream &)> &write);
 void write_text(const Path &path, const std::string &text);
-/// Throws FileNotFound, or Error naming the file; a device or pipe, which may never end, is none.
+/// Throws FileNotFound, or Error naming the file; devices and pipes, which may never end, are refused.
 std::string read_text(const Path &path);
-/// Text as it is meant: without the byte order mark of UTF-8, every line ended by one \n. Throws Error naming `source` for
-/// UTF-16.
+/// Normalised text: without the byte order mark of UTF-8, line ends \n. Throws Error naming `source` for UTF-16.
 std::string plain_text(std::string text, const std::string &source);
-/// The text of a file that is to hold JSON. Throws Error if it is nested deeper than any of ours: parsers recurse.
+/// The text of a JSON file. Throws Error if it is nested more deeply than any of our files, since parsers recurse.
 std::string read_json_text(const Path &path);
 void require_shallow_json(std::string_view text, const std::string &source);
 enum class Markup { Brackets, Toml, Xml }; ///< what nests: [ and { (YAML, JSON), these and dotted keys, elements
-/// The same for the files of others, before a parser sees them. Quotes do not count: what is one is the parser's to say.
+/// The same check for files of other programs, before they are parsed. Quotes are ignored, so that brackets in texts count, too.
 void require_shallow(std::string_view text, Markup markup, const std::string &source);
 
 void write_actor(const Path &path, const RiggedMesh &actor); // actor.npz

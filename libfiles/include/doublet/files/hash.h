@@ -1,5 +1,5 @@
 #pragma once
-// What tells one file from another.
+// Hashes of files.
 
 #include "doublet/files/files.h"
 

@@ -25,12 +25,12 @@ struct NpyArray {
 class Npz {
 public:
   Npz() = default;
-  /// `wanted`: names of the arrays to read (empty = all); those that are not there are skipped. Fortran order is turned into C
-  /// order. Throws FileNotFound, or Error naming the file if it is no npz, truncated or an array read holds objects, or if its
-  /// array `format` (see write) is beyond `newest_format`.
+  /// `wanted`: names of the arrays to read (empty = all); missing ones are skipped. Fortran order is converted to C order. Throws
+  /// FileNotFound, or Error naming the file if it is not an npz file, is truncated, an array to be read holds objects, or its
+  /// array `format` (see write) is above `newest_format`.
   static Npz read(const std::filesystem::path &path, const std::vector<std::string> &wanted = {}, int newest_format = INT_MAX);
-  /// Written beside and renamed: complete or not at all. Throws Error if that fails (full disk). `format` > 0: the number of the
-  /// file's format, kept as an array of that name; a file without one is of format 1.
+  /// Writes atomically. Throws Error if that fails (full disk). `format` > 0: the format number of the file, stored as an array
+  /// of that name; a file without it has format 1.
   void write(const std::filesystem::path &path, int format = 0) const;
 
   bool has(const std::string &name) const { return arrays.count(name) > 0; }
@@ -40,7 +40,7 @@ public:
   std::vector<int> integers(const std::string &name) const;  ///< any integer or bool array, flattened
   std::vector<std::string> text(const std::string &name) const;
   std::vector<std::int64_t> shape(const std::string &name) const;
-  [[noreturn]] void reject(const std::string &what) const; ///< throws Error: the file's name and what
+  [[noreturn]] void reject(const std::string &what) const; ///< throws Error: the file's name, then `what`
   void require_shape(const std::string &name, const std::vector<std::int64_t> &shape) const;
 
   void set_f4(const std::string &name, const std::vector<std::int64_t> &shape, const std::vector<double> &values);

@@ -10,14 +10,14 @@
 
 namespace doublet {
 
-/// Where an optimiser stands.
+/// The state of a search.
 struct OptimizerResult {
   Eigen::VectorXd answer;     ///< (n) what the method returns: CMA-ES the distribution's mean, annealing the best sample
-  Eigen::VectorXd best;       ///< (n) best sample told so far
+  Eigen::VectorXd best;       ///< (n) best sample so far
   double best_energy = 0;     ///< its energy; meaningless while evaluations == 0
   Eigen::VectorXd deviations; ///< (n) standard deviation of the search along each axis
   int evaluations = 0, generations = 0;
-  std::string stop_reason; ///< in the optimiser's own words, for people; empty while running
+  std::string stop_reason; ///< why the search stopped, as text for people; empty while running
 };
 
 /// The swap point. Samples may leave the box: the caller clamps them and adds the penalty (see minimise()).
@@ -25,17 +25,17 @@ struct OptimizerResult {
 class Optimizer {
 public:
   virtual ~Optimizer() = default;
-  /// (S, n) the next generation. Asking again before telling gives another draw.
+  /// (S, n) the next generation. A second call before tell() draws other samples.
   virtual MatrixRM ask() = 0;
-  /// samples (S, n) as asked, energies (S), finite, lower is better. Throws std::invalid_argument on wrong sizes or non-finite
+  /// samples (S, n) from ask(), energies (S), finite, lower is better. Throws std::invalid_argument on wrong sizes or non-finite
   /// energies.
   virtual void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) = 0;
   virtual bool stop() const = 0;
   virtual OptimizerResult result() const = 0;
-  /// The exact state as text, valid between tell() and ask(). An optimiser that cannot be saved returns "": its runs cannot be
-  /// resumed.
+  /// The exact state as text, valid between tell() and ask(). An optimiser that does not support this returns "": its runs cannot
+  /// be resumed.
   virtual std::string save() const { return {}; }
-  /// Continues as the optimiser that was saved would have, to the same bits. Throws Error if the text is no such state.
+  /// Continues as the saved optimiser would have, with the same bits. Throws Error if the text is not a valid state.
   virtual void restore(const std::string &state);
 };
 
@@ -49,9 +49,9 @@ struct CmaEsOptions {
   int max_evaluations = 512;
   double min_deviation = 0.025;
   /// Over the last twenty generations, the median of the later ten against that of the earlier ten. After "TolFun" and
-  /// "Stagnation" of the tutorial's Appendix B.3, but ready within the paper's 512 evaluations. Below the noise of a chaotic
+  /// "Stagnation" of the tutorial's Appendix B.3, but effective within the paper's 512 evaluations. Below the noise of a chaotic
   /// energy the search only wanders: with 3 % of noise on a quadratic in five parameters it ends after 289 evaluations instead of
-  /// 359, 0.1 % higher.
+  /// 359, at an energy 0.1 % higher.
   double stagnation = 0.02;
   std::uint64_t seed = 1;
   static constexpr auto describe() {
@@ -59,11 +59,11 @@ struct CmaEsOptions {
     using O = CmaEsOptions;
     return Description{
         "CmaEsOptions",
-        option(&O::population, "population", at_least(0), "", "Number of samples in a generation; 0 = Hansen's 4 + floor(3 ln n)",
+        option(&O::population, "population", at_least(0), "", "Number of samples per generation; 0 = Hansen's 4 + floor(3 ln n)",
                "8 for n = 5, 9 for n = 6"),
         option(&O::initial_mean, "initial_mean", Range{}, "", "Mean at the start along every axis; 0.5 = the centre of the box"),
         option(&O::initial_sigma, "initial_sigma", above(0), "", "Standard deviation at the start along every axis",
-               "At 0.3 the box is about +-1.7 of them"),
+               "At 0.3 the box is about +-1.7 standard deviations"),
         option(&O::max_evaluations, "max_evaluations", at_least(1), "",
                "No generation begins at or beyond this number of evaluations", "512 is the paper's"),
         option(&O::min_deviation, "min_deviation", at_least(0), "",
@@ -80,9 +80,9 @@ std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &opti
 
 /// Bayesian optimisation of an energy that is expensive and noisy: a Gaussian process over all samples so far averages the noise
 /// and says where the minimum may lie; every sample of a generation is the minimum of one function drawn from it (Thompson
-/// sampling: Hernandez-Lobato et al., "Parallel and distributed Thompson sampling", ICML 2017), so that a generation goes where
-/// the minimum may be, in proportion. Energies enter as asinh((E - a) / s), where a is the first quartile of all so far, and s
-/// the way from the lowest to the middle one: linear where they are low, logarithmic far above.
+/// sampling: Hernandez-Lobato et al., "Parallel and distributed Thompson sampling", ICML 2017), so that samples are distributed
+/// like the minimum. Energies are transformed to asinh((E - a) / s), where a is the first quartile of all so far, and s the
+/// difference between their median and minimum: linear for low energies, logarithmic far above.
 struct BayesianOptions {
   int population = 32;
   int max_evaluations = 512;
@@ -96,19 +96,19 @@ struct BayesianOptions {
     using O = BayesianOptions;
     return Description{
         "BayesianOptions",
-        option(&O::population, "population", Range{4, 4096}, "", "Number of samples in a generation",
-               "Two groups of 16 fill the lanes of two threads"),
+        option(&O::population, "population", Range{4, 4096}, "", "Number of samples per generation",
+               "Two groups of 16 fill the SIMD lanes of two threads"),
         option(&O::max_evaluations, "max_evaluations", at_least(1), "",
                "No generation begins at or beyond this number of evaluations"),
         option(&O::min_gain, "min_gain", at_least(0), "",
                "The search stops when four generations have gained less than this share of the energy; 0 = never"),
         option(&O::min_expected_gain, "min_expected_gain", above(0), "",
-               "And when it expects, twice in a row, to gain less than this share; a large number = then at once"),
+               "To stop, it must also expect, twice in a row, to gain less than this share; large = no condition"),
         option(&O::levels, "levels", Range{0, 64}, "",
-               "Above 1, the last coordinate takes so many evenly spaced values; else it takes any",
-               "Groups of 16 samples share a value; those beside the answer's are looked at before the search stops"),
+               "Number of evenly spaced values of the last coordinate, if above 1; otherwise it is continuous",
+               "Groups of 16 samples share a value; values next to the answer's are tried before the search stops"),
         option(&O::seed, "seed", at_least(0), "", "Seed of the random numbers"),
-        not_serialised(&O::first, "first", "(K, n), K >= 4, the first generation; empty = 2 `population` points spread evenly"),
+        not_serialised(&O::first, "first", "(K, n), K >= 4, the first generation; empty = 2 `population` evenly spread points"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -130,7 +130,7 @@ struct AnnealingOptions {
     using O = AnnealingOptions;
     return Description{
         "AnnealingOptions",
-        option(&O::chains, "chains", at_least(1), "", "Number of chains, which is that of the samples in a generation"),
+        option(&O::chains, "chains", at_least(1), "", "Number of chains, which is the number of samples per generation"),
         option(&O::max_evaluations, "max_evaluations", at_least(1), "", "Length of the cooling schedule in evaluations",
                "The paper needs 2 to 4 times as many as with CMA-ES"),
         option(&O::initial_step, "initial_step", above(0), "", "Standard deviation of a step at the start, in box units"),

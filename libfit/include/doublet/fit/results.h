@@ -1,5 +1,5 @@
 #pragma once
-// What the stages have written into a folder, read when it is asked for, and what a material is estimated from.
+// The results of the stages in a folder, read on demand, and the inputs of the material estimation.
 
 #include "doublet/core/garment.h"
 #include "doublet/core/stage_values.h"
@@ -12,7 +12,8 @@
 
 namespace doublet {
 
-/// What material and width are estimated from: a film, and a garment in several widths. Owns what take() points to.
+/// The inputs from which material and width are estimated: a captured performance, and a garment in several widths. Owns what
+/// take() points to.
 struct FilmedTake {
   std::vector<CharacterSimulator> widths;
   ReferencePerformance performance;
@@ -21,29 +22,29 @@ struct FilmedTake {
   Take take() const;
 };
 
-/// The values of a folder of results (docs/formats.md). What is kept in memory is what was read from a file, not what was written
-/// to it, so that a resumed run goes on with the same bits. All throw as the readers of files.h do. Not thread-safe.
+/// The results in a folder (docs/formats.md). Cached values are always read from files, never those that were written, so that a
+/// resumed run continues with the same bits. All methods throw as the readers of files.h. Not thread-safe.
 class Results {
 public:
   explicit Results(Path folder) : out_(std::move(folder)) {}
   Path path(const std::string &name) const { return out_ / name; }
-  /// To be called after files were written. Reconstruction::run() begins with it.
+  /// Clears the cache; call it after files were written. Reconstruction::run() begins with it.
   void forget();
-  /// The garment at these positions among its widths (see choose_widths), until forget(), whatever material.json says.
+  /// Sets the garment's widths to these positions (see choose_widths) until forget(), overriding material.json.
   void set_widths(const std::vector<double> &positions);
 
-  const RiggedMesh &actor(); ///< kept
+  const RiggedMesh &actor(); ///< cached
   ReferencePerformance performance();
   Observations observations() const;
   Segmentation segmentation() const;
   BodyFit body() const;
   std::vector<TaperedCapsule> proxies();
-  const Garment &offered_garment(); ///< kept; as the mesher made it, in several widths to choose from
-  const Garment &garment();         ///< kept; in the width that was estimated with the material, or else in the middle one
-  const DressedActor &dressed();    ///< kept; what is simulated: the actor in garment()
-  ReferencePerformance dressed_performance(); ///< whatever the width: it is on the garment's mesh, which is that of all
+  const Garment &offered_garment(); ///< cached; from the mesher, with all widths to choose from
+  const Garment &garment();         ///< cached; in the width that was estimated with the material, or else in the middle one
+  const DressedActor &dressed();    ///< cached; the simulated character: the actor in garment()
+  ReferencePerformance dressed_performance();                   ///< on the garment's mesh, which is the same for all widths
   CharacterSimulator simulator(const pbd::ClothOptions &cloth); ///< of dressed()
-  /// `garments`: one a width; none = in all that garment.npz offers.
+  /// `garments`: one per width; empty = all widths in garment.npz.
   FilmedTake take(const SolverSettings &solver, const std::vector<Garment> &garments = {});
 
 private:

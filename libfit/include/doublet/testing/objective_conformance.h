@@ -10,9 +10,9 @@
 
 namespace doublet::testing {
 
-/// One sentence for each rule that the objective breaks: energies (S, R) are finite at the box's centre and corners and in
-/// between, for one sample and for several, and not all the same; the same samples cost the same again, and whoever is asked
-/// about beside them; samples of the wrong width are refused. Calls evaluate() six times, with 11 samples at most.
+/// One sentence for each rule that the objective breaks: energies (S, R) are finite at the centre and corners of the box and in
+/// between, for one sample and for several, and not all equal; a sample has the same energy in every call, whatever the other
+/// samples are; samples with a wrong number of columns are refused. Calls evaluate() six times, with at most 11 samples.
 inline std::vector<std::string> objective_violations(Objective &objective) {
   std::vector<std::string> broken;
   try {

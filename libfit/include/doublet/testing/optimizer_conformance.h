@@ -13,8 +13,8 @@
 namespace doublet::testing {
 
 /// One sentence for each rule that the optimisers of make(dimension, seed) break: samples have `dimension` columns and are
-/// finite, the same seed gives the same samples, a paraboloid inside the box is brought down and the search ends, the best sample
-/// told is remembered, energies in the wrong number or not finite are refused.
+/// finite, the same seed gives the same samples, a paraboloid in the box is minimised and the search ends, result() has the best
+/// sample, energies in the wrong number or not finite are refused.
 inline std::vector<std::string> optimizer_violations(const OptimizerFactory &make) {
   constexpr int kDimension = 3, kMostGenerations = 5000;
   const auto energies_of = [](const MatrixRM &samples) {

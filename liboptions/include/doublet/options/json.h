@@ -1,6 +1,6 @@
 #pragma once
-// Options as JSON: one key a field, enumerations by name, vectors as arrays, nested structs as objects. `Json` is nlohmann::json
-// or anything that behaves like it: which library it comes from stays out of the public headers.
+// Options as JSON: one key per field, enumerations by name, vectors as arrays, nested structs as objects. `Json` is
+// nlohmann::json or any type with its interface, so that public headers include no JSON library.
 
 #include "doublet/options/options.h"
 

@@ -1,6 +1,6 @@
 #pragma once
-// An options struct says beside its fields, once, what each is: name, range, unit, meaning, and why it is so. Checks, JSON,
-// fingerprints, the Python classes, the command line and the tables of docs/ follow from it.
+// An options struct describes each of its fields once: name, range, unit, meaning and reason. Checks, JSON, fingerprints, the
+// Python classes, the command line and the tables of docs/ are derived from it.
 //
 //   struct PressOptions {
 //     double heat = 150;
@@ -34,7 +34,7 @@ namespace doublet::options {
 
 enum class Open { None, Below, Above, Both };
 
-/// The numbers that an option takes, or each element of it; always finite.
+/// The values that an option, or each of its elements, may have; always finite.
 struct Range {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   Open open = Open::None;
@@ -53,11 +53,11 @@ constexpr Range above(double lower) {
   return {.lower = lower, .open = Open::Below};
 }
 
-/// The names that an option takes: of an enumeration in its order, or the texts themselves.
+/// The names that an option may have: those of an enumeration in its order, or the texts themselves.
 using Choices = std::span<const char *const>;
 
-struct Unconstrained {}; ///< what a bool, a text or a nested struct takes
-struct NotSerialised {}; ///< a callback, a file: nothing that is checked, stored or chosen
+struct Unconstrained {}; ///< a bool, a text or a nested struct: any value
+struct NotSerialised {}; ///< a callback or a file: neither checked nor stored
 
 template <class Struct, class Value, class Allowed> struct Field {
   Value Struct::*member;
@@ -93,7 +93,7 @@ struct Whatever {
   template <class T> operator T() const;
 };
 
-/// Members of an aggregate: as many as may be listed in its braces.
+/// Number of members of an aggregate: as many as its braces may contain.
 template <class T, class... Members> constexpr std::size_t member_count() {
   if constexpr (requires { T{Members{}..., Whatever{}}; })
     return member_count<T, Members..., Whatever>();
@@ -128,13 +128,13 @@ template <class T, class Visit> void for_each_field(T &object, Visit &&visit) {
   std::apply([&](const auto &...field) { (one(field), ...); }, std::remove_const_t<T>::describe().fields);
 }
 
-/// The shortest text that reads back as the same bits.
+/// The shortest text that parses to the same bits.
 inline std::string to_text(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-/// Rounded to so many significant digits, 1 to 15; a number that has more before its point is rounded to a whole one.
+/// Rounded to `digits` significant digits, 1 to 15; a number with more digits before the point is rounded to an integer.
 inline std::string to_text(double value, int digits) {
   char text[32];
   const bool large = std::abs(value) >= std::pow(10.0, digits);
@@ -202,7 +202,7 @@ template <class Value> void check_choice(const Value &value, const Choices &choi
 
 template <Described T> void validate(const T &object);
 
-/// Throws std::invalid_argument naming struct, option, what it takes and what was found, unless every option is in its range.
+/// Throws std::invalid_argument naming struct, option, allowed values and value found, unless every option is in its range.
 template <class T> void check(const T &object) {
   for_each_field(object, [](const auto &field, const auto &value) {
     constexpr const char *where = T::describe().name;
@@ -215,7 +215,7 @@ template <class T> void check(const T &object) {
   });
 }
 
-/// The struct's own validate(), which also knows what ties its fields together; check() if it has none.
+/// The struct's own validate(), which also checks constraints between fields; check() if it has none.
 template <Described T> void validate(const T &object) {
   if constexpr (requires { object.validate(); })
     object.validate();

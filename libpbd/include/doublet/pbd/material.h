@@ -9,7 +9,7 @@
 
 namespace doublet::pbd {
 
-/// The defaults are the cloth of the synthetic example in Sect. 7 of the paper, a skirt that stretches little.
+/// The defaults are those of the synthetic example in Sect. 7 of the paper, a skirt that stretches little.
 struct Material {
   double d_n = 4.0;
   double d_t = 4.9;
@@ -33,11 +33,11 @@ struct Material {
   }
 };
 
-/// Of the parameters, in the order of Material.
+/// Names of the parameters, in the order of Material.
 inline constexpr auto kMaterialNames =
     std::apply([](const auto &...field) { return std::array{field.name...}; }, Material::describe().fields);
 
-/// A parameter by name, with the box it is estimated in.
+/// A parameter by name, with the box (bounds) in which it is estimated.
 struct MaterialParameter {
   const char *name;
   double Material::*value;
@@ -48,16 +48,16 @@ const std::array<MaterialParameter, 6> &material_parameters();
 /// Throws std::invalid_argument naming parameter, box and value if one lies outside its box or is NaN.
 void validate(const Material &material);
 
-/// s, the step that k_bend and k_stretch are shares of under Stiffness::Compliance.
+/// s, the step to which k_bend and k_stretch refer with Stiffness::Compliance.
 inline constexpr double kComplianceStep = 1.0 / 40;
-/// What a stiffness k of Stiffness::Compliance is in units: k / ((1 - k) kComplianceStep^2 response), the inverse of XPBD's
-/// compliance. `response`: the sum of |grad C|^2 / mass over the vertices of a constraint C. Of an edge C is its length, so
-/// 1 / m_a + 1 / m_b in 1/kg, and the answer is in N/m; of a hinge it is the angle between its faces, in 1/(kg m^2), and the
-/// answer is in N m. Infinite for k = 1. The masses of a ClothModel are areas: one of areal density r (kg/m^2) has r times as
-/// much. Throws std::invalid_argument unless k is in [0, 1] and the response is above 0.
+/// The physical spring constant of a stiffness k of Stiffness::Compliance: k / ((1 - k) kComplianceStep^2 response), the inverse
+/// of XPBD's compliance. `response`: the sum of |grad C|^2 / mass over the vertices of a constraint C. For an edge, C is its
+/// length: the response is 1 / m_a + 1 / m_b in 1/kg, the result is in N/m. For a hinge, C is the angle between its faces: the
+/// response is in 1/(kg m^2), the result in N m. Infinite for k = 1. The masses of a ClothModel are areas: multiply them by the
+/// areal density (kg/m^2). Throws std::invalid_argument unless k is in [0, 1] and the response is above 0.
 double spring_constant(double k, double response);
-/// The k that has this spring constant: 0 for 0, 1 for infinity. Throws std::invalid_argument unless the constant is at least 0
-/// and the response above 0.
+/// The inverse of spring_constant(): the stiffness k, 0 for a constant of 0, 1 for infinity. Throws std::invalid_argument unless
+/// the constant is at least 0 and the response above 0.
 double stiffness_of_spring(double constant, double response);
 
 } // namespace doublet::pbd

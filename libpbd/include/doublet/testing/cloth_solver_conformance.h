@@ -16,7 +16,7 @@ namespace doublet::testing {
 
 namespace detail {
 
-/// One frame of the banner's world, which lives as long as this: the rail that it hangs from sways, a rod beats through it.
+/// Inputs of one frame of the banner, valid as long as this object: the rail that it hangs from sways, a rod swings through it.
 struct BannerFrame {
   pbd::Vertices before, after;
   std::vector<pbd::Capsule> rod_before, rod_after;
@@ -45,7 +45,7 @@ inline bool finite(const pbd::ClothState &state) {
   return state.positions.allFinite() && state.velocities.allFinite();
 }
 
-/// What the rules share, and what they found.
+/// The rules and the violations that they found.
 class ClothSolverKit {
 public:
   explicit ClothSolverKit(const pbd::ClothSolverFactory &make) : make_(make) {
@@ -200,7 +200,7 @@ private:
     return tested.step_batch(states, {&frame.inputs, 1}, materials);
   }
 
-  /// Each wrong in one thing; nothing may have moved.
+  /// Each input has one error; nothing may have moved.
   void refuses() {
     const auto tested = solver(banner_.clothness);
     const BannerFrame frame(banner_.rest, 0);
@@ -221,7 +221,7 @@ private:
   }
   void refuse(const pbd::ClothSolver &tested, const std::string &what, const pbd::ClothState &state,
               const pbd::StepInputs &inputs, const pbd::Material &material) {
-    // In company: the good one must not have moved either.
+    // Together with a valid simulation, which must not have moved either.
     std::vector<pbd::ClothState> states{pbd::initial_state(banner_.rest), state};
     const BannerFrame frame(banner_.rest, 0);
     const std::vector<pbd::StepInputs> both{frame.inputs, inputs};

@@ -21,11 +21,11 @@ struct ClosestPoint {
   double distance = 0;         ///< m, unsigned
 };
 
-/// Immutable, safe from many threads; copies share one scene. Calls throw std::invalid_argument for NaN and beyond 1e18.
+/// Immutable and thread-safe; copies share one scene. Calls throw std::invalid_argument for NaN and values beyond 1e18.
 class RayScene {
 public:
-  /// Faces with face_valid[f] == 0 are not there (empty = all are). Throws Error if the mesh is not usable(), beyond 1e18 m, or
-  /// invalid as a whole.
+  /// Faces with face_valid[f] == 0 are ignored (empty = all are valid). Throws Error if the mesh is not usable(), extends beyond
+  /// 1e18 m, or has no valid face.
   explicit RayScene(const Mesh &mesh, const Mask &face_valid = {});
   /// First hit of origin + s * direction (unit), s in (min_distance, max_distance).
   std::optional<RayHit> cast(const Eigen::Vector3d &origin, const Eigen::Vector3d &direction, double min_distance = 0,

@@ -1,5 +1,5 @@
 #pragma once
-// How far points are from a surface, and which vertices the cameras see: the measures of docs/formats.md's evaluation.
+// Distances of points from a surface, and visibility of vertices in cameras: used by the evaluation (docs/formats.md).
 
 #include "doublet/core/camera.h"
 #include "doublet/core/context.h"
@@ -17,7 +17,7 @@ Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface
                                      const Context &context = {});
 
 /// (V) 1 for vertices that at least one camera sees: inside its image and no more than `tolerance` (m along the optical axis)
-/// behind the surface drawn at the farthest of the four pixels around. So what is hidden less than a pixel behind an outline
+/// behind the farthest surface in the four surrounding pixels. So a vertex that is hidden by less than a pixel at an outline
 /// counts as seen.
 Mask visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras, double tolerance);
 

@@ -24,16 +24,16 @@ struct Limit {
   const char *meaning, *advice;
   std::string expected() const; ///< "expected at least 0.85"
   std::optional<Finding> check(double value) const;
-  std::string passed(double value) const; ///< that the number is as it should be, in words; empty if it is not
+  std::string passed(double value) const; ///< a sentence if the number is within the limits, otherwise empty
 };
 
 /// The limits of all stages, docs/cli.md.
 std::span<const Limit> quality_limits();
 
-/// What is implausible in the summary (a JSON object as text, see Stage::run) of a stage that is done: what it found itself, and
-/// numbers beyond their limits. Throws Error if that is no such summary.
+/// The findings about a finished stage, from its summary (a JSON object as text, see Stage::run): those that the stage reported,
+/// and numbers beyond their limits. Throws Error if the summary is malformed.
 std::vector<Finding> quality_findings(const std::string &stage, const std::string &summary);
-/// What a stage found, as "findings" of its summary: a JSON array as text.
+/// The value of "findings" in the summary of a stage: a JSON array as text.
 std::string findings_to_json(const std::vector<Finding> &findings);
 
 } // namespace doublet

@@ -27,31 +27,31 @@
 
 namespace doublet {
 
-inline constexpr const char *kRefinedCalibration = "calibration.yml"; ///< written if the take showed that the session's was off
+inline constexpr const char *kRefinedCalibration = "calibration.yml"; ///< written if the cameras were refined
 
 class Reconstruction;
 
-/// What reads and writes files of a reconstruction's folder.
+/// A stage: it reads and writes files in the folder of a reconstruction.
 struct Stage {
   using Run = std::function<std::string(Reconstruction &)>;
   std::string name;
   std::vector<std::string> reads = {}, writes = {}; ///< files of the folder
-  std::vector<std::string> may_read = {};           ///< files of it that count as inputs if they are there
-  std::vector<std::string> continues_from = {};     ///< files of it that a stage that was stopped goes on from
-  std::vector<std::string> option_groups = {};      ///< that its results depend on, see for_each_group()
-  /// "scan", "calibration", "joints", "keypoints", "images"; "description", all of session.json, or "name" and "scan_from_views",
-  /// these values of it alone.
+  std::vector<std::string> may_read = {};           ///< optional inputs: files of the folder that are read if they exist
+  std::vector<std::string> continues_from = {};     ///< files of the folder from which an interrupted stage resumes
+  std::vector<std::string> option_groups = {};      ///< groups that its results depend on, see for_each_group()
+  /// Inputs from the session: "scan", "calibration", "joints", "keypoints", "images"; "description" = all of session.json; "name"
+  /// and "scan_from_views" = only these values of it.
   std::vector<std::string> session_inputs = {};
   bool uses_seed = false, uses_body_model = false;
-  bool needs_scan = true;  ///< a session without scan and joints is refused
-  Run run = {};            ///< the work; returns a JSON object as text: the numbers worth recording in run.json
-  std::string runner = {}; ///< whose `run` it is, for the record; empty = doublet's
+  bool needs_scan = true;  ///< refuses a session without scan and joints
+  Run run = {};            ///< does the work; returns its summary, a JSON object as text that is recorded in run.json
+  std::string runner = {}; ///< name of the implementation of `run`, for the record; empty = doublet's
 };
 
 /// check, template, rig, performance, segment, body, garment, fit, character.
 std::vector<Stage> default_stages();
 
-/// One reconstruction: where from, where to, how. Not thread-safe.
+/// One reconstruction: session, output folder, options. Not thread-safe.
 class Reconstruction {
 public:
   /// Nothing is read or written yet. Throws std::invalid_argument for options that are out of their ranges.
@@ -62,40 +62,40 @@ public:
 
   ReconstructionOptions options;
   std::vector<Stage> stages; ///< in their order
-  /// One line about each stage, whether it runs, how long it took, what is doubtful; by default to the context's log.
+  /// Receives one line for each event of a stage: whether it runs, its duration, what is doubtful. Default: the context's log.
   std::function<void(const std::string &)> announce;
 
-  /// Puts `run` in the place of a stage's; it must write the same files. `runner`: its name, for the record. Throws
+  /// Replaces the implementation of a stage; `run` must write the same files. `runner`: its name, for the record. Throws
   /// std::invalid_argument if there is no such stage.
   void replace(const std::string &stage, Stage::Run run, const std::string &runner);
 
-  /// Stages by name, in the reconstruction's order, each unless it is up to date; `force`: in any case, and over files that were
-  /// made elsewhere. Returns whether any ran. Throws Implausible if a result, old or new, cannot be true (what was written stays;
-  /// not with options.keep_going, nor of files that were made elsewhere); Error if the folder has the results of another session,
-  /// if the session has no scan or joints, if some of a stage's files were made elsewhere and others are missing; FileNotFound
-  /// naming the stage that writes a missing file; std::invalid_argument for an unknown name; whatever a stage throws. Nothing
-  /// that was computed is lost.
+  /// Runs the named stages, in the reconstruction's order, unless they are up to date. `force`: runs them in any case, and
+  /// overwrites files that another program made. Returns whether any stage ran. Throws Implausible if a result, old or new, is
+  /// impossible (files stay written; not with options.keep_going, nor for files that another program made); Error if the folder
+  /// contains results of another session, if the session has no scan or joints, or if another program made some of a stage's
+  /// files and others are missing; FileNotFound naming the stage that writes a missing file; std::invalid_argument for an unknown
+  /// name; whatever a stage throws. Completed results are kept in every case.
   bool run(const std::vector<std::string> &names, bool force = false);
   bool run_all(bool force = false);
-  /// What the stages that were asked for found doubtful, or impossible and were not stopped by.
+  /// Findings about the stages of the last run(): doubtful results, and impossible ones that did not stop it.
   const std::vector<Finding> &findings() const { return findings_; }
 
   const Path &session_folder() const { return session_folder_; }
   const Path &out() const { return out_; }
   Path path(const std::string &file) const { return out_ / file; }
-  const Context &context() const { return context_; } ///< the caller's; what is logged is also in log.txt
-  const Session &session();                           ///< read at the first call; by run() if its files were written since
-  void set_session(Session session);                  ///< in the place of the folder's
-  void reread_session();                              ///< after its files were changed
-  Session filmed(); ///< the session with the cameras that the performance was captured with: the refined ones, if there are any
-  /// Trained at the first call, and anew after `options.silhouette` were changed, for the cameras without ready masks; null if
-  /// all have some. Lives as long as this object.
+  const Context &context() const { return context_; } ///< the caller's; its log is also written to log.txt
+  const Session &session();                           ///< read at the first call; read again by run() if its files have changed
+  void set_session(Session session);                  ///< used instead of that in the folder
+  void reread_session();                              ///< reads it again after its files were changed
+  Session filmed(); ///< the session with the cameras of the captured performance: the refined ones, if there are any
+  /// The extractor for cameras without ready masks, trained at the first call and again after `options.silhouette` was changed;
+  /// null if all cameras have masks. Valid as long as this object.
   const SilhouetteExtractor *silhouettes();
   Results &results() { return results_; }
   RunRecord &record(); ///< read at the first call
 
-  SolverSettings solver_settings(); ///< without which materials mean nothing
-  FitOptions fit_options();         ///< with seed and frame rate
+  SolverSettings solver_settings(); ///< those for which materials are estimated
+  FitOptions fit_options();         ///< options.fit with the seed of `options`
 
 private:
   friend void fit_together(const std::vector<Reconstruction *> &reconstructions);
@@ -124,9 +124,9 @@ private:
   std::string name_in_session(const Path &path);
 };
 
-/// One material, and one width, for several takes of one garment, with the options and the seed of the first: material.json and
-/// fit_log.csv of every take, whose later stages are then to be run again. A search that was stopped goes on. Throws
-/// std::invalid_argument if the garments cannot be equally wide.
+/// Estimates one material, and one width, for several takes of one garment, with the options and the seed of the first. Writes
+/// material.json and fit_log.csv of every take, whose later stages must then be run again. An interrupted search is resumed.
+/// Throws std::invalid_argument if the garments have no width in common.
 void fit_together(const std::vector<Reconstruction *> &reconstructions);
 
 } // namespace doublet

@@ -19,7 +19,7 @@ namespace doublet {
 
 struct ReconstructionOptions {
   Path body_model;           ///< file of the statistical body (see BodyModel::read), for the stages `segment` and `body`
-  std::uint64_t seed = 1;    ///< of all random numbers, in the place of the seeds in the groups
+  std::uint64_t seed = 1;    ///< of all random numbers, instead of the seeds in the groups
   double fps = 0;            ///< of the videos; 0 = as the session says
   bool keep_going = false;   ///< continue after results that are judged impossible
   Path configuration = {};   ///< the file that the options are from, for the record; empty = none
@@ -35,7 +35,7 @@ struct ReconstructionOptions {
   TextureOptions texture;
 };
 
-/// visit(name, group) for every group of options; one that is part of another, such as `pose` of `capture`, comes behind it.
+/// visit(name, group) for every group of options; a nested group, such as `pose` of `capture`, follows the one that contains it.
 template <class Options, class Visit> void for_each_group(Options &options, Visit &&visit) {
   visit("template", options.template_);
   visit("silhouette", options.silhouette);
@@ -60,7 +60,7 @@ template <class Options, class Visit> void for_each_group(Options &options, Visi
   visit("texture", options.texture);
 }
 
-/// Is an option set by ReconstructionOptions::seed, not by itself?
+/// True if ReconstructionOptions::seed sets the option.
 inline bool is_derived_option(const std::string &group, const std::string &name) {
   return (group == "fit" || group == "annealing") && name == "seed";
 }

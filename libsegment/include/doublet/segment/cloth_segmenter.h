@@ -34,7 +34,7 @@ struct SegmentOptions {
     return Description{
         "SegmentOptions",
         option(&O::even_odds, "even_odds", at_least(1), "",
-               "Deviation at which the motion term is 0, as a multiple of the noise (the 10 % quantile of the deviation)",
+               "Deviation at which the motion term is 0, as a multiple of the noise (10 % quantile of deviation)",
                "Captured skin is at 1.5 in the median and below 3 nearly everywhere, loose cloth at 5 and more"),
         option(&O::slope, "slope", at_least(0), "", "Log odds of cloth that are gained for each factor of e in the deviation"),
         option(&O::even_gap, "even_gap", above(0), "m",

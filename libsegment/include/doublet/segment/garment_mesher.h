@@ -37,8 +37,7 @@ struct GarmentOptions {
         option(&O::min_piece_area, "min_piece_area", Range{0, 10}, "m^2", "Smaller pieces move as skin",
                "28 x 28 cm, about a short sleeve"),
         option(&O::min_edge_run, "min_edge_run", Range{0, 10}, "m",
-               "Shorter stretches of the boundary take the state (attached or free) of those beside them, and shorter waves are "
-               "smoothed",
+               "Shorter parts of the boundary take their neighbours' state (attached or free); waves are smoothed",
                "They are noise of the template's mask"),
         option(&O::length_exceedances, "length_exceedances", Range{0, 1, Open::Both}, "",
                "Shares of the frames in which an edge may be longer than at rest, one per width; larger is narrower",
@@ -46,7 +45,7 @@ struct GarmentOptions {
         option(&O::attachment_width, "attachment_width", Range{0, 1}, "m",
                "Width of the band across which cloth goes from attached to free; 0 = a seam"),
         option(&O::snug_slack, "snug_slack", Range{0, 1}, "m",
-               "Cloth that is farther from the body in less than 5 % of the frames is carried by it; 0 = all cloth hangs free",
+               "The body carries cloth that is farther off in under 5 % of the frames; 0 = all cloth hangs free",
                "95 % of clinging cloth is captured below 21 mm, 95 % of a skirt or loose trouser legs above 20"),
     };
   }

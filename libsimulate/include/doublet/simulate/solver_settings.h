@@ -1,11 +1,11 @@
 #pragma once
-// How cloth is simulated: what travels with every material, in character.glb and in material.json.
+// The settings of the cloth simulation, stored with every material in character.glb and material.json.
 
 #include "doublet/pbd/cloth_solver.h"
 
 namespace doublet {
 
-/// How the cloth was simulated when its material was estimated; the parameters mean nothing without it.
+/// Settings with which the cloth was simulated when its material was estimated; without them the parameters are meaningless.
 struct SolverSettings {
   double dt = 1.0 / 40.0;
   pbd::ClothOptions cloth;

@@ -1,5 +1,5 @@
 #pragma once
-// Arms that another person's clip presses into the body: with other proportions the same angles put a hand into a thigh.
+// Arms that another person's clip presses into the body: with other proportions the same angles can put a hand into a thigh.
 
 #include "doublet/animate/character.h"
 #include "doublet/animate/motion.h"
@@ -7,11 +7,11 @@
 
 namespace doublet {
 
-/// The motion with shoulders turned so far that forearms and hands are clear of the body, as the character's tapered capsules
-/// tell, with room for a layer of cloth that keeps its thickness from both; less where they are nearer in the rest pose. Smooth
-/// in time: an arm begins to turn before it would touch. Only the balls l_shoulder and r_shoulder change, a motion in which the
-/// arms are clear not at all, and none of a character without capsules below the elbows. Throws std::invalid_argument unless the
-/// motion has frames, a rate in [0.1, 10000] 1/s, and the skeleton's degrees of freedom.
+/// The motion with the shoulders turned until forearms and hands are clear of the body, both as the character's tapered capsules,
+/// with room for a layer of cloth and its thickness on both sides; less where they are closer in the rest pose. Smooth in time:
+/// an arm begins to turn before it would touch. Only the ball joints l_shoulder and r_shoulder change. A motion in which the arms
+/// are clear does not change, nor does any motion of a character without capsules below the elbows. Throws std::invalid_argument
+/// unless the motion has frames, a rate in [0.1, 10000] 1/s, and the skeleton's degrees of freedom.
 Motion resolve_arm_penetration(const Character &character, const Motion &motion, const Context &context = {});
 
 } // namespace doublet

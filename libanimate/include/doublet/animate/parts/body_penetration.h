@@ -1,14 +1,14 @@
 #pragma once
-// The body under the clothes, kept from showing through them.
+// Keeps the body under the clothes from showing through them.
 
 #include "doublet/animate/character.h"
 #include "doublet/core/parts/moving_surface.h"
 
 namespace doublet {
 
-/// Brings the vertices of the body's drawn faces under the surface where they stand out of it: 10 mm deep and from up to 6 cm
-/// outside under cloth; 3 mm deep and from up to 12 mm outside under skin, where the two are the same surface, fitted with that
-/// error. A matter of display only: collision proxies are simpler than a body.
+/// Moves the vertices of the body's drawn faces under the surface where they protrude: under cloth from up to 6 cm outside to 10
+/// mm deep; under skin, which the body was fitted to with such an error, from up to 12 mm outside to 3 mm deep. Affects only what
+/// is drawn; it is needed because collision proxies are simpler than a body.
 class BodyPenetrationFix {
 public:
   explicit BodyPenetrationFix(const Character &character);

@@ -1,18 +1,18 @@
 #pragma once
-// The garment, kept from being drawn inside the body.
+// Keeps the garment from being drawn inside the body.
 
 #include "doublet/animate/character.h"
 #include "doublet/core/parts/moving_surface.h"
 
 namespace doublet {
 
-/// Lifts a garment that lies inside the fitted body onto it, and 4 mm above: straight out of up to 2 cm, less of what is deeper,
-/// not out of more than 4 cm; what lies beside it in the garment goes along, and what it hangs by stays. Capsules, which keep the
-/// simulated cloth off, are simpler than a body, most of all where it bends. Arms, and bones without a capsule, lift nothing. A
-/// matter of display only.
+/// Lifts garment vertices that lie inside the fitted body to 4 mm above it: fully from depths up to 2 cm, partly from deeper
+/// ones, not from more than 4 cm. Neighbouring vertices of the garment move along; those where it is attached stay. Needed
+/// because the capsules that the simulated cloth collides with are simpler than a body, most of all where it bends. Arms, and
+/// bones without a capsule, lift nothing. Affects only what is drawn.
 class GarmentPenetrationFix {
 public:
-  /// Has the character a garment with a mesh of its own, and a body of which some faces lift it?
+  /// True if the character has a garment with a mesh of its own, and a body with faces that can lift it.
   static bool applies_to(const Character &character);
   /// Throws Error where it does not apply.
   explicit GarmentPenetrationFix(const Character &character);

@@ -1,5 +1,5 @@
 #pragma once
-// The person's skin, kept from showing through a garment as it is drawn.
+// Keeps the person's skin from showing through the drawn garment.
 
 #include "doublet/animate/display_surface.h"
 #include "doublet/core/parts/moving_surface.h"
@@ -9,21 +9,21 @@
 
 namespace doublet {
 
-/// Brings what is drawn of the person near a garment under it, where it stands out by up to 3 cm: the hidden body, and the scan's
-/// skin up to 30 cm beyond the garment's free edges along itself, as legs below a hem; 20 mm deep, less at the
-/// garment's edges. Beyond a free edge it may stand out by as much as it is away from it, so that no fringe of skin covers the
-/// edge. Other skin, as of a back over which a skirt is thrown, goes 2 mm under cloth that lies up to 15 mm within it. Of the
-/// garment only what is worn over the same limb counts, arms and the rest: a hand before a skirt is not under it, nor a hip under
-/// a sleeve. It goes straight inwards, and what lies beside it under the garment goes along, so that no triangle bridges a fold.
-/// Skin on which the garment lies inside out stays. A matter of display only; a garment that lies deeper in the body is to be
-/// lifted off it first, see GarmentPenetrationFix.
+/// Moves drawn skin under the garment where it protrudes by up to 3 cm: the hidden body, and the scan's skin up to 30 cm (along
+/// the surface) beyond the garment's free boundary, such as legs below a hem. It ends 20 mm deep, less at the garment's boundary.
+/// Beyond a free boundary it may protrude by as much as its distance from the boundary, so that no fringe of skin covers the hem.
+/// Other skin, such as a back over which a skirt is thrown, goes 2 mm under cloth that lies up to 15 mm inside it. Only the part
+/// of the garment that is worn over the same limb counts (left arm, right arm, the rest): a hand in front of a skirt is not under
+/// it, nor a hip under a sleeve. Vertices move straight inwards and neighbours under the garment move along, so that no triangle
+/// bridges a fold. Skin on which the garment lies inside out stays. Affects only what is drawn; a garment that lies deeper inside
+/// the body must be lifted first, see GarmentPenetrationFix.
 class SkinPenetrationFix {
 public:
-  /// How a garment lies on skin in the scan pose: over it, with its free edge not far away, or neither.
+  /// How skin lies to a garment in the scan pose: covered by it, near its free boundary, or neither.
   enum class Cover : std::uint8_t { Worn, BeyondHem, Bare };
   /// The character must have M_high with a garment, else Error.
   explicit SkinPenetrationFix(const Character &character);
-  /// `drawn` and `high` as DisplaySurface::apply() has left them, `body` (B, 3) or empty; once warm, nothing is allocated.
+  /// `drawn` and `high` as filled by DisplaySurface::apply(), `body` (B, 3) or empty; allocates nothing after the first call.
   void apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body);
 
 private:

@@ -1,6 +1,6 @@
 #pragma once
-// Rotations and similarities that bring directions and points onto others. Eigen's own are instantiated here once: each takes a
-// compiler several seconds.
+// Rotations and similarity transforms that align directions and points. Eigen's templates are instantiated here once: each takes
+// a compiler several seconds.
 
 #include <Eigen/Core>
 
@@ -11,8 +11,8 @@ Eigen::Matrix3d shortest_turn(const Eigen::Vector3d &from, const Eigen::Vector3d
 
 enum class AlignmentScale { One, Free };
 
-/// The similarity, or the rigid motion, that brings the points (3, N) of `from` nearest to those of `to`: least squares (Umeyama
-/// 1991).
+/// The similarity transform (Free) or rigid motion (One) that maps the points `from` (3, N) closest to `to`, by least squares
+/// (Umeyama 1991).
 Eigen::Matrix4d nearest_similarity(const Eigen::Matrix3Xd &from, const Eigen::Matrix3Xd &to, AlignmentScale scale);
 
 } // namespace doublet

@@ -1,11 +1,12 @@
 #pragma once
-// Where a surface ends.
+// Boundary loops of a surface.
 
 #include "doublet/core/mesh.h"
 
 namespace doublet {
 
-/// The boundary as loops of vertices, each in the order of its faces. A vertex that boundaries pass twice may end a loop early.
+/// The boundary as loops of vertices, each in the direction of its faces. A vertex that the boundary passes twice may end a loop
+/// early.
 std::vector<std::vector<int>> boundary_loops(const Faces &faces);
 
 } // namespace doublet

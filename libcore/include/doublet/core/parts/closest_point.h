@@ -14,8 +14,8 @@ inline Eigen::Vector3d closest_on_segment(const Eigen::Vector3d &p, const Eigen:
 }
 
 /// Barycentric coordinates (Ericson, Real-Time Collision Detection, 2004, Sect. 5.1.5) of the point of triangle a b c that is
-/// closest to p, in any number of dimensions. It takes dot products alone: of the edges ab and ac with the ways from the corners
-/// to p.
+/// closest to p, in any number of dimensions. Arguments: dot products of the edges ab and ac with the vectors from the corners to
+/// p.
 inline Eigen::Vector3d closest_on_triangle(double ab_ap, double ac_ap, double ab_bp, double ac_bp, double ab_cp, double ac_cp) {
   if (ab_ap <= 0 && ac_ap <= 0)
     return {1, 0, 0};

@@ -5,8 +5,8 @@
 
 namespace doublet {
 
-/// Those of the nodes that are chosen (N), each from its lowest node outwards; the one with the lowest node first. `neighbours`
-/// (N): of each node, both ways.
+/// Connected components of the nodes that are `chosen` (N), each listed from its lowest node outwards, ordered by lowest node.
+/// `neighbours` [N]: adjacent nodes, in both directions.
 std::vector<std::vector<int>> connected_sets(const std::vector<std::vector<int>> &neighbours, const std::vector<char> &chosen);
 
 } // namespace doublet

@@ -1,5 +1,5 @@
 #pragma once
-// Ways along the edges of a mesh (Dijkstra 1959).
+// Shortest paths along the edges of a mesh (Dijkstra 1959).
 
 #include "doublet/core/mesh.h"
 
@@ -11,8 +11,8 @@
 
 namespace doublet {
 
-/// Searches on from `starts`, not beyond `limit` (m). `distance(v)` is where the distance of a vertex is kept: 0 at `starts` and
-/// infinity elsewhere. `neighbours` as vertex_neighbours() has them.
+/// Propagates distances from `starts`, up to `limit` (m). `distance(v)`: reference to the distance of a vertex, initially 0 at
+/// `starts` and infinity elsewhere. `neighbours` from vertex_neighbours().
 template <class Distance>
 void propagate_along_edges(const Vertices &vertices, const std::vector<std::vector<int>> &neighbours,
                            const std::vector<int> &starts, double limit, const Distance &distance) {
@@ -35,7 +35,7 @@ void propagate_along_edges(const Vertices &vertices, const std::vector<std::vect
   }
 }
 
-/// (V) m, the shortest way along edges to the nearest of `sources`; infinity beyond `limit` and where no way leads.
+/// (V) m, length of the shortest path along edges to the nearest of `sources`; infinity beyond `limit` and if there is no path.
 Eigen::VectorXd edge_distances(const Vertices &vertices, const std::vector<std::vector<int>> &neighbours,
                                const std::vector<int> &sources, double limit = std::numeric_limits<double>::infinity());
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which faces lie beside each other.
+// Adjacent faces.
 
 #include "doublet/core/mesh.h"
 

@@ -1,6 +1,6 @@
 #pragma once
-// A 64 bit hash of plain data: tells whether a checkpoint belongs to this problem. FNV-1a, but eight bytes at a time and with the
-// high bits folded back into the low ones, for a performance is hundreds of megabytes.
+// A 64 bit hash of plain data, to check whether a checkpoint belongs to this problem. FNV-1a, but eight bytes at a time and with
+// the high bits folded back into the low ones, since a performance has hundreds of megabytes.
 
 #include "doublet/options/options.h"
 
@@ -15,7 +15,7 @@ namespace doublet {
 
 class Fingerprint {
 public:
-  /// The length counts, too, so that nothing moves unseen from one array to the next.
+  /// The length is hashed, too, so that data which moves from one array to the next changes the hash.
   Fingerprint &bytes(const void *data, std::size_t size) {
     word(size);
     const auto *byte = static_cast<const unsigned char *>(data);
@@ -29,10 +29,10 @@ public:
   template <class T, int R, int C, int O> Fingerprint &add(const Eigen::Matrix<T, R, C, O> &m) {
     return bytes(m.data(), sizeof(T) * static_cast<std::size_t>(m.size()));
   }
-  /// Of numbers or fixed-size vectors.
+  /// A list of numbers or fixed-size vectors.
   template <class T> Fingerprint &add(const std::vector<T> &values) { return bytes(values.data(), sizeof(T) * values.size()); }
   Fingerprint &add(const std::string &text) { return bytes(text.data(), text.size()); }
-  /// Every option, nested ones, too.
+  /// Every option, including nested ones.
   template <options::Described T> Fingerprint &add(const T &object) {
     for (const auto &[name, value] : options::to_pairs(object))
       add(name).add(value);

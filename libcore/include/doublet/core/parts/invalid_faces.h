@@ -1,5 +1,5 @@
 #pragma once
-// Invalid faces: those of the surfaces that close a scan where nobody saw it.
+// Invalid faces: those of the surfaces that close holes of a scan.
 
 #include "doublet/core/mesh.h"
 
@@ -8,9 +8,9 @@
 
 namespace doublet {
 
-/// (F) face_valid, with 0 also for faces that share a corner with a closing surface and have a similar normal, within 53 degrees
-/// of its mean. Where a garment touches a limb, the surface that closes its hem is easily marked too small, and what is left of
-/// it welds the limb to the garment. Empty stays empty (all valid).
+/// (F) face_valid, with 0 also for faces that share a corner with a closing surface and whose normal is within 53 degrees of its
+/// mean normal. Where a garment touches a limb, the marked surface that closes the hem is often too small, and the unmarked rest
+/// connects the limb with the garment. Empty stays empty (all valid).
 Mask extend_invalid_faces(const Mesh &mesh, const Mask &face_valid);
 
 } // namespace doublet

@@ -1,5 +1,5 @@
 #pragma once
-// The colour of the screen that an actor stands before, and how much of it a pixel shows.
+// The key colour of a screen behind the actor, and how much of it a pixel shows.
 
 #include <Eigen/Core>
 
@@ -10,8 +10,8 @@ namespace doublet {
 
 /// How much a pixel looks like the screen: 1 = screen, 0 = no trace of its hue. With p the chroma along the key's hue and q
 /// across it (a "keyer" in chroma space: Jack, Video Demystified, ch. 7), keyness = (p - |q|) / (Y + Y_key), scaled to 1 at the
-/// key colour. Dividing by the luma keeps shadowed screen a screen; Y_key beside it keeps dark, noisy pixels from looking like
-/// one.
+/// key colour. Dividing by the luma gives shadowed parts of the screen a high keyness; Y_key in the sum gives dark, noisy pixels
+/// a low one.
 struct KeyColour {
   /// ITU-R BT.601 luma as a linear form of (B, G, R).
   static Eigen::Vector3d luma_form() { return {0.114, 0.587, 0.299}; }
@@ -24,7 +24,7 @@ struct KeyColour {
   }
 };
 
-/// The hue that most saturated pixels share, within 20 degrees.
+/// The most frequent hue of the saturated pixels, within 20 degrees.
 struct SharedHue {
   double share = 0;                    ///< of all pixels
   std::vector<Eigen::Vector3d> pixels; ///< B G R, 0 to 255

@@ -15,12 +15,13 @@ struct LabellingEnergy {
 };
 
 /// (V) the labels of the lowest energy, by a minimum cut (Boykov and Kolmogorov, An experimental comparison of min-cut/max-flow
-/// algorithms, PAMI 2004; Boost's). Where both labels are as good it is 0.
+/// algorithms, PAMI 2004; Boost's). Ties get label 0.
 std::vector<char> lowest_labelling(const LabellingEnergy &energy);
 
-/// (V) in [-largest, largest]: how sure each label is. With s * weight (V, at least 0) taken from all gains, vertex v has the
-/// label 1 for every s below its margin and 0 above: minima of a rising s are nested (Gallo et al., A fast parametric maximum
-/// flow algorithm, SIAM 1989). Known to 2 * largest / steps; with an odd number of steps above 0 exactly where the label is 1.
+/// (V) in [-largest, largest]: the margin of each label. With s * weight (V, at least 0) subtracted from all gains, vertex v has
+/// label 1 for every s below its margin and 0 above: the minima for increasing s are nested (Gallo et al., A fast parametric
+/// maximum flow algorithm, SIAM 1989). Resolution 2 * largest / steps; for an odd number of steps the margin is above 0 exactly
+/// where the label is 1.
 Eigen::VectorXd labelling_margins(const LabellingEnergy &energy, const Eigen::VectorXd &weight, double largest, int steps);
 
 } // namespace doublet

@@ -1,5 +1,5 @@
 #pragma once
-// Closest points on a surface that moves, frame by frame.
+// Closest points on a surface that deforms from frame to frame.
 
 #include "doublet/core/mesh.h"
 
@@ -8,8 +8,9 @@
 
 namespace doublet {
 
-/// The nearest point of a mesh whose faces stay and whose vertices come anew with every frame: a tree of boxes over the faces,
-/// built once, which is fitted to them. Once made it allocates nothing. RayScene is for surfaces that stay: it is built anew.
+/// Closest point on a mesh with constant faces and new vertices in every frame: a tree of boxes over the faces, built once and
+/// refitted for each frame. Allocates nothing after construction. For static surfaces use RayScene, which would have to be
+/// rebuilt.
 class MovingSurface {
 public:
   struct Point {
@@ -19,16 +20,18 @@ public:
     double distance;             ///< m, unsigned
   };
 
-  /// Faces with face_valid[f] == 0 are not there (empty = all are). Throws Error if the mesh is not usable(), or none is.
+  /// Faces with face_valid[f] == 0 are ignored (empty = all are valid). Throws Error if the mesh is not usable(), or no face is
+  /// valid.
   explicit MovingSurface(const Mesh &mesh, const Mask &face_valid = {});
   /// vertices (V, 3) m; throws std::invalid_argument for another number of them, or one that is not within 1e15 m.
   void move_to(const Vertices &vertices);
-  /// The nearest point, of the lowest face if there are several; nothing if it is `within` m or further away. `hint`: a face that
-  /// may be near, such as the answer of the frame before; it saves time and changes nothing. -1 = none.
+  /// The closest point, on the face with the lowest index if there are several; none if it is `within` (m) or further away.
+  /// `hint`: a face that may be close, such as the result of the previous frame; it saves time without changing the result. -1 =
+  /// none.
   std::optional<Point> closest(const Eigen::Vector3d &point, double within, int hint = -1) const;
 
 private:
-  /// Four boxes side by side, each around a node or a single face; the others are empty.
+  /// Up to four boxes, each around a node or a single face; unused ones are empty.
   struct Node {
     std::array<Eigen::Array4f, 3> low, high; ///< along x, y, z, m
     std::array<int, 4> child;                ///< a node, or the complement (~) of a face

@@ -14,7 +14,8 @@ public:
   explicit NormalGenerator(std::uint64_t seed = 0) : engine_(seed) {}
   double normal();  ///< N(0, 1)
   double uniform(); ///< [0, 1), multiples of 2^-53
-  /// The exact state as text; restore() of it goes on with the same numbers. Throws Error if the text is no state.
+  /// The exact state as text; after restore() the sequence continues with the same numbers. restore() throws Error if the text is
+  /// not a state.
   std::string state() const;
   void restore(const std::string &state);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers as files and programs have them: with a point, whatever the user's language has.
+// Numbers as text in files: with a decimal point, whatever the locale.
 
 #include <charconv>
 #include <optional>
@@ -9,13 +9,14 @@
 
 namespace doublet {
 
-/// With so many decimals.
+/// With `decimals` digits after the point.
 inline std::string fixed_point(double value, int decimals) {
   char text[400]; // more than the largest number has
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
 }
 
-/// The number that the whole text is, NaN and infinity included; none if it is something else, or too large or small for double.
+/// The number if the whole text is one, NaN and infinity included; none for any other text, or a number too large or small for
+/// double.
 inline std::optional<double> parse_number(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-"))
     text.remove_prefix(1);

@@ -1,5 +1,5 @@
 #pragma once
-// Where a surface passes through itself, and where something passes through it.
+// Intersections of a surface with itself and with segments.
 
 #include "doublet/core/context.h"
 #include "doublet/core/mesh.h"
@@ -14,10 +14,10 @@ namespace doublet {
 /// the number of threads. Throws Error if the mesh is not usable.
 Mask self_intersecting_faces(const Mesh &mesh, const Context &context = {});
 
-/// Does the segment from p to q (m) pass through the inside of a face? Looks at every face.
+/// True if the segment from p to q (m) passes through the inside of a face. Tests every face.
 bool crosses_surface(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Mesh &mesh);
 
-/// How many of these edges of the mesh pass through the inside of a face that has none of their ends. Looks at every face.
+/// Number of the given edges of the mesh that pass through the inside of a face without either end as a corner. Tests every face.
 int crossing_edges(const Mesh &mesh, const std::vector<Eigen::Vector2i> &edges);
 
 } // namespace doublet

@@ -1,5 +1,5 @@
 #pragma once
-// How the joints of a skeleton hang together.
+// The tree of a skeleton's joints.
 
 #include "doublet/core/skeleton.h"
 
@@ -7,11 +7,10 @@
 
 namespace doublet {
 
-/// (J) number of joints whose parent each is: 0 where a limb ends, more than 1 where limbs leave the trunk.
+/// (J) number of children of each joint: 0 where a limb ends, more than 1 where limbs leave the trunk.
 std::vector<int> child_counts(const Skeleton &skeleton);
 
-/// The joint at the other end of the bone that begins at `joint`: the first in the skeleton's order whose parent it is; -1 where
-/// a limb ends.
+/// The joint at the other end of the bone that begins at `joint`: its first child in the skeleton's order; -1 where a limb ends.
 int first_child(const Skeleton &skeleton, int joint);
 
 } // namespace doublet

@@ -14,15 +14,15 @@ namespace doublet {
 /// seed.
 std::vector<int> nearest_seed(int width, int height, const Mask &seed);
 
-/// Distances to a contour inside a box, 16 bits a node.
+/// Distances to a contour inside a box, 16 bits per node.
 class DistanceField {
 public:
   struct Box {
     float x0 = 0, y0 = 0, x1 = 0, y1 = 0; ///< pixels
   };
   DistanceField() = default;
-  /// points: pixels, any order. Kept are the distances at nodes `cell` pixels apart, right to about half a pixel (the transform
-  /// runs over whole pixels), cut off at `cap` pixels (> 0). Contour outside the box counts as well.
+  /// points: pixels, any order. Stores distances at nodes `cell` pixels apart, accurate to about half a pixel (the transform uses
+  /// whole pixels), clamped to `cap` pixels (> 0). Points outside the box count, too.
   DistanceField(const std::vector<Eigen::Vector2f> &points, const Box &box, int cell, float cap);
   /// Pixels, at most cap. Bilinear between nodes (so off by at most cell / 2 near the contour). Outside the box: the value at the
   /// box plus the distance to it, an upper bound.

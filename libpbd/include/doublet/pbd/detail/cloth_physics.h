@@ -1,6 +1,6 @@
 #pragma once
-// The physics that the kit of cloth_solver_conformance.h asks of a solver: small scenes whose outcome is known whatever the
-// method, with room for the errors of a coarse one. Bending, damping and cloth on cloth are nobody's duty.
+// The physics tests of cloth_solver_conformance.h: small scenes whose outcome is known for any method, with tolerances for coarse
+// ones. Bending, damping and self-collision are not required.
 
 #include "doublet/options/options.h"
 #include "doublet/pbd/cloth_solver.h"
@@ -37,7 +37,7 @@ class ClothPhysics {
 public:
   ClothPhysics(const pbd::ClothSolverFactory &make, std::vector<std::string> &broken) : make_(make), broken_(broken) {}
 
-  /// As far in eight frames of 1/40 s as in sixteen of half the time.
+  /// Cloth falls as far in eight frames of 1/40 s as in sixteen of 1/80 s.
   void keeps_time() {
     const auto fallen = [this](int frames, double dt) {
       pbd::StepInputs in;
@@ -96,7 +96,7 @@ public:
                                     " below their targets, of 0.1 " + metres(tight));
   }
 
-  /// What hangs keeps its length, and the less the softer it is.
+  /// Hanging cloth keeps its length; the softer it is, the more it stretches.
   void keeps_its_length() {
     const auto length = [this](double k_stretch) {
       Eigen::VectorXd clothness = Eigen::VectorXd::Ones(banner_.clothness.size());
@@ -132,7 +132,7 @@ public:
                                      std::to_string(r) + ", which cloth fell on");
   }
 
-  /// A rod that is past the cloth at the end of a frame, and was not at its start, has pushed it ahead.
+  /// A rod that passes through the position of the cloth during a frame pushes it ahead.
   void is_pushed() {
     const auto rod = [](double z) { return std::vector<pbd::Capsule>{{{-0.5, 0.85, z}, {1, 0.85, z}, 0.1, 0.1}}; };
     const std::vector<pbd::Capsule> before = rod(-0.15), after = rod(0.05);

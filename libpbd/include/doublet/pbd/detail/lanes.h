@@ -1,5 +1,5 @@
 #pragma once
-// How wide the registers are that our solver steps simulations in: for tests and benchmarks alone, no result depends on it.
+// Width of the SIMD registers in which our solver steps simulations: only for tests and benchmarks, no result depends on it.
 
 #include "doublet/pbd/cloth_solver.h"
 
