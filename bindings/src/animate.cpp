@@ -399,7 +399,7 @@ void bind_texture(py::module_ &m) {
       py::arg("character"), py::arg("surfaces"), py::arg("cameras"), py::arg("images"), py::arg("options") = TextureOptions{},
       py::arg("context") = interruptible_context(), Release(),
       "The same from the frames of a take in which M is at `surfaces` (a list of (V, 3)): images(i) gives those of the i-th and "
-      "its masks, two lists with one a camera; it is asked for few of them, in rising order.");
+      "its masks, two lists with one per camera; it is asked for few of them, in rising order.");
   m.def("sample_colours", &sample_colours, py::arg("mesh"), py::arg("face_valid"), py::arg("cameras"), py::arg("images"),
         py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
         py::arg("context") = interruptible_context(), Release(),

@@ -259,8 +259,8 @@ void bind_session(py::module_ &m) {
   m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
         Release(), "The image, and the ready mask, refined, or, where there is none, the extractor's -> CameraView.");
   Class<FrameViews>(m, "FrameViews", "What all cameras of a session show at a frame.")
-      .def_readonly("images", &FrameViews::images, "(H, W, 3) uint8, BGR, or empty; one a camera")
-      .def_readonly("masks", &FrameViews::masks, "(H, W) uint8, 255 = actor, or empty; one a camera");
+      .def_readonly("images", &FrameViews::images, "(H, W, 3) uint8, BGR, or empty; one per camera")
+      .def_readonly("masks", &FrameViews::masks, "(H, W) uint8, 255 = actor, or empty; one per camera");
   m.def("read_views", &read_views, py::arg("session"), py::arg("frame"), py::arg("extractor") = nullptr, Release(),
         "Of every camera, as read_view -> FrameViews.");
   Class<StartFrame>(m, "StartFrame", "Where a take is most like the scan.")

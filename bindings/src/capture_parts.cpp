@@ -140,7 +140,7 @@ void bind_problems(py::module_ &m) {
       .def_property_readonly(
           "rig", [](const PoseProblem &p) { return pointed(p.rig); }, "cameras")
       .def_property_readonly(
-          "outlines", [](const PoseProblem &p) { return pointed(p.outlines); }, "measured, one a camera; empty = no part")
+          "outlines", [](const PoseProblem &p) { return pointed(p.outlines); }, "measured, one per camera; empty = no part")
       .def_readonly("tracks", &PoseProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
       .def_readonly("points", &PoseProblem::points, "SeenPoints: joints that keypoints show")
       .def_readonly("offset", &PoseProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
@@ -155,7 +155,7 @@ void bind_problems(py::module_ &m) {
       .def_property_readonly(
           "rig", [](const SurfaceProblem &p) { return pointed(p.rig); }, "cameras")
       .def_property_readonly(
-          "outlines", [](const SurfaceProblem &p) { return pointed(p.outlines); }, "measured, one a camera; empty = no part")
+          "outlines", [](const SurfaceProblem &p) { return pointed(p.outlines); }, "measured, one per camera; empty = no part")
       .def_readonly("tracks", &SurfaceProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
       .def_readonly("base", &SurfaceProblem::base, "(V, 3) m, the surface expected")
       .def_readonly("skinned", &SurfaceProblem::skinned, "(V, 3) m, posed without any offset")
@@ -207,7 +207,7 @@ void bind_limbs(py::module_ &m) {
       .def_property_readonly(
           "rig", [](const LimbProblem &p) { return pointed(p.rig); }, "cameras")
       .def_property_readonly(
-          "masks", [](const LimbProblem &p) { return pointed(p.masks); }, "measured, one a camera; empty = no part")
+          "masks", [](const LimbProblem &p) { return pointed(p.masks); }, "measured, one per camera; empty = no part")
       .def_readonly("offset", &LimbProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
       .def_readonly("reliability", &LimbProblem::reliability, "(V) in [0, 1], low on loose cloth")
       .def_readonly("predicted", &LimbProblem::predicted, "(D)")

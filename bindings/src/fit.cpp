@@ -365,9 +365,9 @@ void bind_fit(py::module_ &m) {
            }),
            py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("dt"));
   Class<FitResult>(m, "FitResult", "The estimated material of every region.")
-      .def_property_readonly("materials", &FitResult::materials, "one a region")
+      .def_property_readonly("materials", &FitResult::materials, "one per region")
       .def_property_readonly("chosen_widths", &FitResult::chosen_widths,
-                             "position of the garment's width, one a region; may be empty")
+                             "position of the garment's width, one per region; may be empty")
       .def("at_positions", &FitResult::at_positions, py::arg("positions"),
            "The same for a garment whose positions the widths of a take were (see common_widths).")
       .def_readonly("log", &FitResult::log, "GenerationRows; part = region")
@@ -425,7 +425,7 @@ void bind_fit(py::module_ &m) {
   m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release(),
         "material.json, complete or not at all.");
   m.def("read_widths", &read_widths, py::arg("path"), Release(),
-        "material.json: position of the garment's width, one a region; empty if it names none.");
+        "material.json: position of the garment's width, one per region; empty if it names none.");
   m.def(
       "read_materials", &read_materials, py::arg("path"), py::arg("solver") = std::nullopt, Release(),
       "material.json: one Material a region. Raises FileNotFoundError, or Error naming file and parameter, or the setting of the "

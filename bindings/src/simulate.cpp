@@ -54,7 +54,7 @@ void bind_simulate(py::module_ &m) {
           py::overload_cast<CharacterState &, const PosedFrame &, const PosedFrame &, const std::vector<pbd::Material> &, double>(
               &CharacterSimulator::step, py::const_),
           py::arg("state"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
-          "Advances every cloth region from one posed frame to the next; materials: one a region.")
+          "Advances every cloth region from one posed frame to the next; materials: one per region.")
       .def(
           "step_batch",
           [](const CharacterSimulator &simulator, const std::vector<CharacterState *> &states, const PosedFrame &previous,
@@ -69,7 +69,8 @@ void bind_simulate(py::module_ &m) {
             return failed;
           },
           py::arg("states"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
-          "step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region "
+          "step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one per "
+          "region "
           "of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.")
       .def("surface", py::overload_cast<const CharacterState &, const PosedFrame &>(&CharacterSimulator::surface, py::const_),
            py::arg("state"), py::arg("frame"), Release(), "(V, 3) m");

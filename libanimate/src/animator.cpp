@@ -49,8 +49,8 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
   if (options.resolve_arm_penetration && has_steps(poses))
     poses = resolve_arm_penetration(character, poses, context);
   else if (options.resolve_arm_penetration)
-    context.log_line("animate: arms are not cleared of the body: no steps can be told at " + options::to_text(poses.fps) +
-                     " frames a second");
+    context.log_line("animate: arms are not cleared of the body: expected 0.1 to 10000 frames per second, found " +
+                     options::to_text(poses.fps));
   const int frames = static_cast<int>(poses.dofs.rows());
   Player player(character, options, make_solver);
   for (int t = 0; t < frames; ++t) {

@@ -183,7 +183,7 @@ State initial_state(const BodyModel &model, const std::vector<NamedPoint> &point
   const Eigen::Matrix4d similarity = nearest_similarity(from, to, AlignmentScale::Free);
   state.scale = std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
   if (!(std::isfinite(state.scale) && state.scale > 1e-6))
-    throw Error("body fit: the landmarks and joints lie on one line or point, no similarity follows from them");
+    throw Error("body fit: the landmarks and joints lie on one line or point, which determines no similarity transform");
   state.rotation = similarity.topLeftCorner<3, 3>() / state.scale;
   state.translation = similarity.topRightCorner<3, 1>();
   // Metres stay metres: stature belongs to the model's coefficients. Other units (cm, a child) take the landmarks' scale.
@@ -208,12 +208,12 @@ Scan prepare_scan(const RiggedMesh &actor, const Segmentation &segmentation) {
   const Faces &faces = actor.mesh.faces;
   const int v = static_cast<int>(actor.mesh.vertices.rows()), f = static_cast<int>(faces.rows());
   if (segmentation.clothness.size() != v)
-    throw std::invalid_argument("clothness: expected " + std::to_string(v) + " entries, one a vertex, found " +
+    throw std::invalid_argument("clothness: expected " + std::to_string(v) + " entries, one per vertex, found " +
                                 std::to_string(segmentation.clothness.size()));
   if (!segmentation.clothness.allFinite())
     throw Error("clothness: expected values in [0, 1], found NaN or infinity");
   if (static_cast<int>(actor.face_valid.size()) != f)
-    throw std::invalid_argument("face_valid: expected " + std::to_string(f) + " entries, one a face, found " +
+    throw std::invalid_argument("face_valid: expected " + std::to_string(f) + " entries, one per face, found " +
                                 std::to_string(actor.face_valid.size()));
   std::vector<Label> label(f, Label::Exposed);
   std::vector<char> exposed(v, 1);

@@ -86,7 +86,7 @@ std::vector<Eigen::Vector3d> ends_of(const Mesh &surface) {
     ways = ways.array().isFinite().select(ways, -1); // another piece
     Eigen::Index farthest = 0;
     if (!(ways.maxCoeff(&farthest) > 0))
-      throw Error("body marks: expected a surface in one piece with five ends (head, hands, feet), found fewer");
+      throw Error("joint detection: expected a surface in one piece with five ends (head, hands, feet), found fewer");
     ends.emplace_back(surface.vertices.row(farthest));
     sources.push_back(static_cast<int>(farthest));
   }
@@ -138,7 +138,7 @@ void require_names(const BodyModel &model) {
   const std::vector<std::string> names = model.joint_names();
   const auto require = [&](bool found, const std::string &what, const char *name) {
     if (!found)
-      throw Error("body marks: expected the body model to have the " + what + " '" + name + "', found none of this name");
+      throw Error("joint detection: expected the body model to have the " + what + " '" + name + "', found none of this name");
   };
   for (const JointSource &joint : kJoints)
     for (const char *name : {joint.first, joint.second})
@@ -163,7 +163,7 @@ std::vector<Joint> seen_joints(const Marks &seen) {
   std::vector<Joint> joints;
   for (const auto &[name, place] : seen) {
     if (!place.allFinite())
-      throw Error("body marks: joint '" + name + "': expected a finite position");
+      throw Error("joint detection: joint '" + name + "': expected a finite position");
     joints.emplace_back();
     joints.back().name = name;
     joints.back().rest = place;
@@ -172,7 +172,7 @@ std::vector<Joint> seen_joints(const Marks &seen) {
 }
 
 [[noreturn]] void refuse_person(const std::string &what) {
-  throw Error("body marks: expected a person, upright (+Y) and in metres, with arms and legs apart; the body model " + what);
+  throw Error("joint detection: expected a person, upright (+Y) and in metres, with arms and legs apart; the body model " + what);
 }
 
 /// Everything is skin at first, then what does not stand off the body found so far.
@@ -256,7 +256,7 @@ void read_marks(const BodyModel &model, DetectedJoints &marks) {
 DetectedJoints detect_joints(const Mesh &surface, const std::vector<std::uint8_t> &face_valid, const BodyModel &model,
                              const BodyFitOptions &options, const std::map<std::string, Eigen::Vector3d> &seen,
                              const Context &context) {
-  require_usable(surface, "body marks");
+  require_usable(surface, "joint detection");
   require_names(model);
   RiggedMesh actor = unrigged(surface, face_valid);
   BodyFitOptions loose = options;

@@ -40,7 +40,7 @@ double position_of(const Garment &garment, double area) {
 void require_attachment(const Garment &garment, Eigen::Index vertices, const std::string &what) {
   if (garment.attachment.size() != 0 && garment.attachment.size() != vertices)
     throw Error(what + ": array 'attachment': expected " + std::to_string(vertices) +
-                " entries, one a vertex of the actor, found " + std::to_string(garment.attachment.size()));
+                " entries, one per vertex of the actor, found " + std::to_string(garment.attachment.size()));
   if (!(garment.attachment.array() >= 0 && garment.attachment.array() <= 1).all())
     throw Error(what + ": array 'attachment': expected values in [0, 1], found others");
 }
@@ -72,7 +72,7 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
   const Eigen::Index count = garment.mesh.vertices.rows();
   const auto expect = [&](const char *array, Eigen::Index found) {
     if (found != count)
-      throw Error(what + ": array '" + array + "': expected " + std::to_string(count) + " rows, one a vertex, found " +
+      throw Error(what + ": array '" + array + "': expected " + std::to_string(count) + " rows, one per vertex, found " +
                   std::to_string(found));
   };
   expect("region", garment.region.size());
@@ -87,7 +87,7 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
   expect("barycentric", garment.barycentric.rows());
   if (static_cast<Eigen::Index>(garment.replaced_faces.size()) != actor.mesh.faces.rows())
     throw Error(what + ": array 'covers': expected " + std::to_string(actor.mesh.faces.rows()) +
-                " entries, one a face of the actor, found " + std::to_string(garment.replaced_faces.size()));
+                " entries, one per face of the actor, found " + std::to_string(garment.replaced_faces.size()));
   require_attachment(garment, actor.mesh.vertices.rows(), what);
   for (Eigen::Index v = 0; v < count; ++v) {
     const auto fail = [&](const std::string &expected, double found) {

@@ -43,9 +43,9 @@ void simulate_next(Group &group) {
 
 void Batch::check(const std::vector<std::vector<pbd::Material>> &materials) const {
   for (const auto &sample : materials) {
-    require(static_cast<int>(sample.size()) == observed_.regions(), "MaterialObjective: materials: expected " +
-                                                                        std::to_string(observed_.regions()) +
-                                                                        ", one a region, found " + std::to_string(sample.size()));
+    require(static_cast<int>(sample.size()) == observed_.regions(),
+            "MaterialObjective: materials: expected " + std::to_string(observed_.regions()) + ", one per region, found " +
+                std::to_string(sample.size()));
     for (const pbd::Material &material : sample)
       pbd::validate(material);
   }

@@ -197,7 +197,7 @@ std::vector<double> FrameEnergy::mean(const Terms &terms) const {
 
 Terms FrameEnergy::surface_terms(const std::vector<Vertices> &surfaces) const {
   require(surfaces.size() == observed_.frames.size(), "MaterialObjective: surfaces: expected " +
-                                                          std::to_string(observed_.frames.size()) + ", one a frame, found " +
+                                                          std::to_string(observed_.frames.size()) + ", one per frame, found " +
                                                           std::to_string(surfaces.size()));
   const Eigen::Index vertices = observed_.simulator->actor().mesh.vertices.rows();
   for (const Vertices &surface : surfaces)

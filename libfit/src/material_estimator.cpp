@@ -586,7 +586,7 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
   AllTakes objective(takes, options, context);
   for (const Take &take : takes)
     if (!has_matches(*take.observations))
-      context.log_line("fit: no feature matches: E_fit is without their term");
+      context.log_line("fit: no feature matches, so E_fit has no feature term");
   Searches searches(objective, options.seeds);
   const FitResult frame = result; // what every interrupted result has
   MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, searched, frame), context);

@@ -239,7 +239,7 @@ private:
 
   [[noreturn]] void fail_to_resume(const std::exception &error) const {
     throw Error(options_.checkpoint.string() +
-                ": expected where a search stood, found a damaged file (delete it to start over): " + error.what());
+                ": expected the state of a search, found a damaged file (delete it to start over): " + error.what());
   }
 
   Objective &objective_;

@@ -30,7 +30,7 @@ public:
 
   void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override {
     check_told(samples, energies, n_, options_.chains);
-    require(energies.size() == options_.chains, "tell: energies: expected one a chain");
+    require(energies.size() == options_.chains, "tell: energies: expected one per chain");
     const bool first = generation_ == 0;
     if (first)
       scale_ = std::max(std::fabs(energies.mean()), 1e-300);

@@ -67,7 +67,7 @@ double bake_take(Reconstruction &reconstruction, Character &character, const Ref
   Character textured = character;
   const double seen = texture_character(textured, filmed, film.rig(), reconstruction.options.texture, reconstruction.context());
   if (!any) {
-    reconstruction.context().log_line("character: no camera has an image of the frames looked at: the character has no texture");
+    reconstruction.context().log_line("character: no camera has an image of the chosen frames, so the character has no texture");
     return 0;
   }
   character = std::move(textured);

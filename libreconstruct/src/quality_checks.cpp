@@ -18,17 +18,17 @@ constexpr std::array kLimits{
           "look at template.ply"},
     Limit{"performance", "silhouette_iou_against_measured_masks", 0.85, 0.6,
           "overlap of the tracked surface with the silhouettes",
-          "look at the report's overlays: calibration, silhouettes or frame rate may be wrong"},
-    Limit{"segment", "noise_mm", 3, kNever, "deviation of the stillest tenth of the surface, mm",
-          "few cameras or a rough scan? look at what is cloth"},
+          "see the overlays in the report: calibration, silhouettes or frame rate may be wrong"},
+    Limit{"segment", "noise_mm", 3, kNever, "noise of the captured surface (10 % quantile of its deviation), mm",
+          "few cameras or a rough scan? check the segmentation"},
     Limit{"segment", "uncertain_area", 0.2, kNever, "share of the surface whose probability of being cloth is from 0.1 to 0.9",
           "look at the segmentation, and paint what is wrong (doublet edit-segmentation)"},
     Limit{"body", "residual_mm", 20, 80, "mean distance of the skin to the body, mm",
           "the marked joints or the units may be wrong"},
     Limit{"body", "largest_coefficient", 5, 8, "largest coefficient of the body, standard deviations of people",
-          "no person is built or stands like that; look at the joints, and whether the scan's limbs have grown together"},
+          "no person has such a shape or pose; check the joints, and whether the scan's limbs have grown together"},
     Limit{"character", "overlap_of_character", 0.8, 0.75, "overlap of the simulated character with the silhouettes",
-          "it does not move as the film shows; look at what is cloth and at the body"},
+          "it does not move as in the video; check the segmentation and the body"},
 };
 
 bool is_low(const Limit &limit) {

@@ -36,7 +36,7 @@ constexpr int kMarginSteps = 25;     // odd: one of the shifts is 0, so that pro
 Surface surface_of_inputs(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
   require_usable(pose, "first frame of the mesh sequence");
   if (sigma.size() != pose.vertices.rows())
-    throw std::invalid_argument("sigma: expected " + std::to_string(pose.vertices.rows()) + " entries, one a vertex, found " +
+    throw std::invalid_argument("sigma: expected " + std::to_string(pose.vertices.rows()) + " entries, one per vertex, found " +
                                 std::to_string(sigma.size()));
   return detail::surface_of(pose, face_valid);
 }
@@ -164,7 +164,7 @@ void part_by_colour(const Mesh &pose, const SegmentInputs &inputs, const Segment
 void require_one_each(const Eigen::VectorXd &values, Eigen::Index vertices, const char *name, const char *what) {
   if (values.size() > 0 && (values.size() != vertices || !values.allFinite()))
     throw std::invalid_argument(std::string("segment: ") + name + ": expected " + std::to_string(vertices) + " finite " + what +
-                                ", one a vertex, found " + std::to_string(values.size()) +
+                                ", one per vertex, found " + std::to_string(values.size()) +
                                 (values.allFinite() ? "" : ", some not finite"));
 }
 

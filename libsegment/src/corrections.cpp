@@ -13,7 +13,7 @@ Segmentation apply_corrections(const Mesh &pose, const std::vector<std::uint8_t>
   const Eigen::Index n = pose.vertices.rows();
   require_segmentation(found, n, "apply_corrections");
   if (painted.size() != n)
-    throw std::invalid_argument("apply_corrections: painted: expected " + std::to_string(n) + " entries, one a vertex, found " +
+    throw std::invalid_argument("apply_corrections: painted: expected " + std::to_string(n) + " entries, one per vertex, found " +
                                 std::to_string(painted.size()));
   const detail::Surface surface = detail::surface_of(pose, face_valid);
   Segmentation result = found;

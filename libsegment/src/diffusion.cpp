@@ -25,7 +25,7 @@ std::vector<char> components_known(const Eigen::VectorXi &component, int count, 
 Eigen::VectorXd diffuse_on_surface(const Vertices &vertices, const Faces &faces, const Eigen::VectorXd &values, double length) {
   const int n = static_cast<int>(vertices.rows());
   if (values.size() != n)
-    throw std::invalid_argument("diffuse_on_surface: expected " + std::to_string(n) + " values, one a vertex, found " +
+    throw std::invalid_argument("diffuse_on_surface: expected " + std::to_string(n) + " values, one per vertex, found " +
                                 std::to_string(values.size()));
   if (!(length >= 0))
     throw std::invalid_argument("diffuse_on_surface: length must be >= 0, found " + options::to_text(length));

@@ -411,9 +411,10 @@ void say_what_falls(const Piece &whole, const Piece &hung, bool is_free, int reg
   else if (whole.mesh.faces.rows() == 0)
     context.log_line(name + " is too small or too thin for a mesh; it moves as skin");
   else if (hung.mesh.faces.rows() == 0)
-    context.log_line(name + " does not touch skin and hangs on nothing; it moves as skin");
+    context.log_line(name + " does not touch skin, so nothing holds it; it moves as skin");
   else if (hung.mesh.faces.rows() < whole.mesh.faces.rows())
-    context.log_line(name + ": " + options::to_text(area(whole) - area(hung), 4) + " m^2 of it hang on nothing and move as skin");
+    context.log_line(name + ": " + options::to_text(area(whole) - area(hung), 4) +
+                     " m^2 of it are held by nothing and move as skin");
 }
 
 class IsotropicMesher : public GarmentMesher {

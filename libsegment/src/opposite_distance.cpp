@@ -70,7 +70,7 @@ OppositePoints find_opposite_points(const Mesh &pose, const std::vector<std::uin
   options.validate();
   require_usable(pose, "first frame of the mesh sequence");
   if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
-    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
+    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one per face, found " +
                                 std::to_string(face_valid.size()));
   const RayScene scene(pose);
   const Faces valid = valid_faces(pose.faces, face_valid);

@@ -51,7 +51,7 @@ void share_out(const Surface &surface, const std::vector<char> &cloth, std::vect
 Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid) {
   const int n = static_cast<int>(pose.vertices.rows());
   if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
-    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
+    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one per face, found " +
                                 std::to_string(face_valid.size()));
   const std::vector<std::uint8_t> scanned = extend_invalid_faces(pose, face_valid);
   const Faces faces = valid_faces(pose.faces, scanned);

@@ -279,7 +279,7 @@ TEST(ScanFromViews, SaysWhatIsWrong) {
     }
     return "";
   };
-  EXPECT_EQ(refused({views[0]}, rig), "scan: expected 8 views, one a camera, found 1");
+  EXPECT_EQ(refused({views[0]}, rig), "scan: expected 8 views, one per camera, found 1");
   std::vector<CameraView> few = views;
   for (int c = 0; c < 6; ++c)
     few[c] = {};

@@ -218,7 +218,7 @@ TEST(SessionCheck, MirroredImages) {
   for (Image &mask : scene.masks)
     for (int y = 0; y < kSize; ++y)
       std::reverse(mask.data.begin() + y * kSize, mask.data.begin() + (y + 1) * kSize);
-  EXPECT_SAYS(scene.impossible(), "mirrored (overlap 1.00, as they are ");
+  EXPECT_SAYS(scene.impossible(), "mirrored ones (overlap with the scan 1.00 when mirrored, ");
 }
 
 TEST(SessionCheck, SilhouettesOfSomethingElse) {
@@ -357,7 +357,7 @@ TEST(SessionCheck, ATakeThatBeginsElsewhereBeginsThere) {
   const SessionCheck check = scene.check();
   EXPECT_TRUE(check.findings.empty());
   EXPECT_EQ(check.frame(), 0);
-  EXPECT_SAYS(check.start_text, "frame 0 is in the scan's pose, but elsewhere: overlap ");
+  EXPECT_SAYS(check.start_text, "frame 0 is in the scan's pose, but in another place: overlap ");
 }
 
 TEST(SessionCheck, ATakeThatIsNeverInTheScansPoseIsDoubtful) {

@@ -142,18 +142,18 @@ TEST(ValidateGarment, SaysWhatIsWrong) {
     return testing::error_of([&] { validate_garment(garment, good.actor, "coat.npz"); });
   };
   EXPECT_EQ(said([](Garment &g) { g.clothness.conservativeResize(5); }),
-            "coat.npz: array 'clothness': expected 6 rows, one a vertex, found 5");
+            "coat.npz: array 'clothness': expected 6 rows, one per vertex, found 5");
   EXPECT_EQ(said([](Garment &g) { g.region.conservativeResize(7); }),
-            "coat.npz: array 'region': expected 6 rows, one a vertex, found 7");
+            "coat.npz: array 'region': expected 6 rows, one per vertex, found 7");
   EXPECT_EQ(said([](Garment &g) { g.rest.conservativeResize(5, 3); }),
-            "coat.npz: array 'rest': expected 6 rows, one a vertex, found 5");
+            "coat.npz: array 'rest': expected 6 rows, one per vertex, found 5");
   EXPECT_EQ(said([](Garment &g) { g.actor_face.conservativeResize(5); }),
-            "coat.npz: array 'actor_face': expected 6 rows, one a vertex, found 5");
+            "coat.npz: array 'actor_face': expected 6 rows, one per vertex, found 5");
   EXPECT_EQ(said([](Garment &g) { g.barycentric.conservativeResize(5, 3); }),
-            "coat.npz: array 'barycentric': expected 6 rows, one a vertex, found 5");
+            "coat.npz: array 'barycentric': expected 6 rows, one per vertex, found 5");
   const std::string faces = std::to_string(good.actor.mesh.faces.rows());
   EXPECT_EQ(said([](Garment &g) { g.replaced_faces.resize(3); }),
-            "coat.npz: array 'covers': expected " + faces + " entries, one a face of the actor, found 3");
+            "coat.npz: array 'covers': expected " + faces + " entries, one per face of the actor, found 3");
   EXPECT_EQ(said([](Garment &g) { g.region[4] = 2; }), "coat.npz: vertex 4: expected a region below 2, found 2.000000");
   EXPECT_EQ(said([](Garment &g) { g.region[1] = -1; }), "coat.npz: vertex 1: expected a region below 2, found -1.000000");
   EXPECT_EQ(said([](Garment &g) { g.clothness[2] = 1.5; }), "coat.npz: vertex 2: expected a clothness in [0, 1], found 1.500000");

@@ -612,9 +612,9 @@ TEST(MaterialObjective, RefusesWhatDoesNotBelongTogether) {
     objective.surface_terms({});
     ADD_FAILURE() << "no error";
   } catch (const std::invalid_argument &error) {
-    EXPECT_STREQ(error.what(),
-                 ("MaterialObjective: surfaces: expected " + std::to_string(s.performance.dofs.rows()) + ", one a frame, found 0")
-                     .c_str());
+    EXPECT_STREQ(error.what(), ("MaterialObjective: surfaces: expected " + std::to_string(s.performance.dofs.rows()) +
+                                ", one per frame, found 0")
+                                   .c_str());
   }
 }
 

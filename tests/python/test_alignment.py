@@ -33,7 +33,8 @@ def test_it_is_brought_back(model):  # noqa: F811
 def test_another_person_is_refused(model):  # noqa: F811
     ball = d.capsule_mesh([0, 0.5, 0], [0, 1.5, 0], 0.3, 0.3)
     with pytest.raises(
-        ValueError, match="scan: expected the person and the pose that the cameras see, found it .* mm from there"
+        ValueError,
+        match="scan: expected the person and the pose that the cameras see, found it at least .* mm from the visual hull",
     ):
         d.align_scan(ball, Person(model, 0.7, 3).mesh)
 

@@ -250,14 +250,14 @@ def entry(*where, **more):
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        (entry("nodes", 1, children=[0]), "expected nodes that hang on one parent each"),
+        (entry("nodes", 1, children=[0]), "expected a tree of nodes"),
         (entry("nodes", 1, mesh=3), "expected one of 1 meshes, found number 3"),
         (entry("accessors", 0, count=80), "accessor 0 reaches beyond its buffer view"),
         (entry("accessors", 1, byteOffset=2), "accessor 1 reaches beyond its buffer view"),
         (entry("accessors", 1, bufferView=0, componentType=5126, count=24), "expected vertices from 0 to 8"),
         (entry("bufferViews", 0, byteLength=10**9), "reaches beyond its buffer view"),
         (entry(extensionsRequired=["KHR_draco_mesh_compression"]), "that need the extension KHR_draco_mesh_compression"),
-        (entry("nodes", 1, skin=0), "expected a scan that stands still"),
+        (entry("nodes", 1, skin=0), "expected a static scan"),
         (entry("buffers", 0, uri="secret.bin"), "expected a binary glTF 2.0 file without other files"),
         (entry("meshes", 0, weights=[1.0]), "expected a scan without morph targets in use"),
     ],

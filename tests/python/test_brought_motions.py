@@ -354,7 +354,7 @@ def test_a_compressed_clip_names_the_extension_that_it_needs(tmp_path):
             packed = {"buffer": 0, "byteLength": view["byteLength"], "byteStride": 16, "mode": "ATTRIBUTES", "count": 3}
             view.update(buffer=1, extensions={name: packed})
 
-    with pytest.raises(d.Error, match=rf"arm\.glb: expected numbers that are written out, found ones that need .* {name}"):
+    with pytest.raises(d.Error, match=rf"arm\.glb: expected uncompressed numbers, found ones that need .* {name}"):
         d.SourceMotion.read(write_glb(tmp_path / "arm.glb", change=compress, **arm()))
 
 

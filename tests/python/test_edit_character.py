@@ -198,7 +198,7 @@ def test_underwear_ends_along_a_line(world, monkeypatch):
         (["--texture", "{folder}/no.png"], "no.png"),
         (["--texture", "{folder}/character.glb"], "character.glb"),
         (["--texture", "{folder}/wide.png"], "wide.png: expected the proportions of the character's own picture (64 x 64"),
-        (["--texture", "{folder}/deep.png"], "deep.png: expected 8 bits a channel, as in files that are drawn, found 16"),
+        (["--texture", "{folder}/deep.png"], "deep.png: expected 8 bits per channel, as in files that are drawn, found 16"),
     ],
 )
 def test_what_is_refused(file, tmp_path, capsys, flags, said):

@@ -316,7 +316,7 @@ def test_the_command_line(scene, capsys):
     for name in ("resim_cloth_cm", "resim_two_sided_cm", "hem_height_cm", "flare_cm"):
         assert result["metrics"][name] == pytest.approx(0, abs=1e-3)
     motion = result["motion"]
-    assert motion["truth"]["hem_speed_m_s"] == 0 and "two true joints" in motion["missing"]["truth"]["hem_lag_s"]
+    assert motion["truth"]["hem_speed_m_s"] == 0 and "two true child joints" in motion["missing"]["truth"]["hem_lag_s"]
     cli.main([str(a) for a in [*command, "--motion"]])
     assert "\nhem_lag_s" in capsys.readouterr().out
     cli.main([str(a) for a in command])

@@ -57,7 +57,7 @@ def test_lag_that_cannot_be_seen_is_missing():
         g.lag(rate[:79], rate[:79], FPS)
     with pytest.raises(e.Missing, match="hardly turns"):
         g.lag(np.full(100, 3.0), rate[:100], FPS)
-    with pytest.raises(e.Missing, match="no shift within 0.5 s"):
+    with pytest.raises(e.Missing, match="no maximum within 0.5 s"):
         g.lag(*(np.exp(-(((TIMES - peak) / 0.3) ** 2)) for peak in (1.0, 1.7)), FPS)
 
 

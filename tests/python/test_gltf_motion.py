@@ -201,7 +201,7 @@ def node(index, **more):
         ({"change": lambda gltf: gltf.pop("animations")}, "expected an animation, found none"),
         ({"change": node(3, children=[1])}, "expected one parent for node 1, found two"),
         ({"change": node(0, children=[])}, None),
-        ({"change": node(4, children=[4])}, "expected nodes that hang on roots, found a circle"),
+        ({"change": node(4, children=[4])}, "expected a tree of nodes, found a cycle"),
         ({"change": node(0, children=[77])}, "expected a child to be one of 5 nodes, found 77"),
         ({"change": node(0, rotation=[0, 0, 0, 3])}, "expected unit quaternions, found one of length 3 at node 'Armature'"),
         ({"change": node(0, translation=[0, 1])}, "expected nodes and animations of glTF 2.0"),

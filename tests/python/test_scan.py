@@ -121,7 +121,7 @@ def test_no_person_no_joints(model):
     ball = d.capsule_mesh([0, 0.5, 0], [0, 1.5, 0], 0.3, 0.3)
     loose = d.Mesh(np.vstack([ball.vertices, [[0, 1, 0]]]), ball.faces)  # a vertex on no face, in the middle
     for surface in (ball, loose):
-        with pytest.raises(d.Error, match="body marks: expected a person, upright"):
+        with pytest.raises(d.Error, match="joint detection: expected a person, upright"):
             d.detect_joints(surface, [], model)
     with pytest.raises(ValueError, match="face_valid: expected"):
         d.detect_joints(ball, [1, 0], model)
@@ -545,7 +545,7 @@ def test_another_frame_is_taken_where_nobody_stands_in_the_first(model, tmp_path
     monkeypatch.setattr(make_scan, "best_frame", lambda _: 1)
     assert main(["scan", str(folder), *FAST, "--frame", "0"]) == 1
     refusal = capsys.readouterr().err
-    assert "body marks: expected" in refusal and f"; frame 1 is more like a standing body: doublet scan {folder}" in refusal
+    assert "joint detection: expected" in refusal and f"; frame 1 is more like a standing body: doublet scan {folder}" in refusal
     assert d.Session(folder).scan.name == "scan.ply" and not (folder / "joints.json").exists()  # what was made is kept
     assert main(["scan", str(folder), *FAST, "--force"]) in (0, 3)
     session = d.Session(folder)

@@ -53,7 +53,7 @@ def test_what_does_not_fit_is_refused(world):
     still = np.array(world.mesh.vertices)
     with pytest.raises(ValueError, match="expected a frame or more, found 0"):
         texture_of(world, [], lambda frame: plain(world, 150))
-    with pytest.raises(ValueError, match="expected one image a camera, found 1 for"):
+    with pytest.raises(ValueError, match="expected one image per camera, found 1 for"):
         texture_of(world, [still], lambda frame: ([world.picture], []))
     with pytest.raises((ValueError, RuntimeError), match="vertices"):
         texture_of(world, [still, still[:-1]], lambda frame: plain(world, 150))

@@ -33,7 +33,7 @@ struct ImagePart {
 struct FilmedFrame {
   Vertices vertices, normals;
   Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> gains; ///< (V, 3) of the 8-bit B G R; none = 1
-  std::vector<ImagePart> parts;                                   ///< one a camera; empty = none
+  std::vector<ImagePart> parts;                                   ///< one per camera; empty = none
   /// At a point of a face.
   Eigen::Vector3f gain(const Faces &faces, int f, const Eigen::Vector3d &barycentric) const;
   Eigen::Vector3d normal(const Faces &faces, int f, const Eigen::Vector3d &barycentric) const;

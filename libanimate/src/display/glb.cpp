@@ -203,7 +203,7 @@ Reader::Reader(const std::filesystem::path &path) : source_(path.string()), cont
   if (content_.compare(0, 4, "glTF") != 0 || word(4) != 2)
     fail("expected a binary glTF 2.0 file, found another one");
   if (word(8) > content_.size())
-    fail("expected the " + std::to_string(word(8)) + " bytes that it says it has, found " + std::to_string(content_.size()) +
+    fail("expected " + std::to_string(word(8)) + " bytes as its header says, found " + std::to_string(content_.size()) +
          " (truncated?)");
   content_.resize(std::max<std::size_t>(word(8), kHeaderBytes + 2 * kChunkBytes)); // what stands behind is of others
   const std::string_view text = chunk(kHeaderBytes, kJsonChunk, "JSON");
@@ -303,7 +303,7 @@ std::string_view Reader::strided(const json &index, std::size_t &stride) const {
   const json extensions = view.value("extensions", json::object());
   for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
     if (size(view, "buffer") != 0 && extensions.contains(name)) // the buffer is what a reader of the extension fills
-      fail(std::string("expected numbers that are written out, found ones that need the extension ") + name);
+      fail(std::string("expected uncompressed numbers, found ones that need the extension ") + name);
   const std::size_t offset = size(view, "byteOffset"), length = size(view, "byteLength");
   if (size(view, "buffer") != 0 || offset > binary_.size() || length > binary_.size() - offset)
     fail("buffer view " + index.dump() + " reaches beyond the binary chunk");

@@ -79,7 +79,7 @@ Image decode_image(const std::vector<std::uint8_t> &bytes) {
   if (bytes.empty() ||
       !tinygltf::LoadImageData(&raw, 0, &error, &warning, 0, 0, bytes.data(), static_cast<int>(bytes.size()), nullptr) ||
       raw.bits != 8 || raw.component < 3)
-    throw Error("decode_image: expected a PNG or JPEG file of 8 bits a channel, found " + std::to_string(bytes.size()) +
+    throw Error("decode_image: expected a PNG or JPEG file of 8 bits per channel, found " + std::to_string(bytes.size()) +
                 " other bytes");
   Image image(raw.width, raw.height, 3);
   for (std::size_t i = 0; i < static_cast<std::size_t>(raw.width) * raw.height; ++i)

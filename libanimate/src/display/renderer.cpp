@@ -30,12 +30,12 @@ void require_mesh(const RenderMesh &mesh, const Vertices &vertices, std::size_t 
   check(mesh.faces.rows() == 0 || (mesh.faces.minCoeff() >= 0 && mesh.faces.maxCoeff() < vertices.rows()),
         "a face names a vertex that is not there");
   check(mesh.face_valid.empty() || static_cast<Eigen::Index>(mesh.face_valid.size()) == mesh.faces.rows(),
-        "face_valid must be one a face");
+        "face_valid must be one per face");
   check(mesh.colours.allFinite() && mesh.colour.allFinite(), "the colours must be finite");
-  check(mesh.colours.rows() == 0 || mesh.colours.rows() == vertices.rows(), "colours must be one a vertex");
+  check(mesh.colours.rows() == 0 || mesh.colours.rows() == vertices.rows(), "colours must be one per vertex");
   check(!mesh.texture ||
             (!mesh.texture->empty() && mesh.texture->channels == 3 && mesh.texcoords.rows() == 3 * mesh.faces.rows()),
-        "a texture needs 3 channels and 3 texcoords a face");
+        "a texture needs 3 channels and 3 texcoords per face");
 }
 
 std::shared_ptr<const TexturePyramid> pyramid_of(const RenderMesh &mesh) {

@@ -39,7 +39,7 @@ void require_inputs(const std::string &who, const Mesh &mesh, const std::vector<
   for (const Camera &camera : cameras)
     validate_camera(camera, who);
   if (images.size() != cameras.size())
-    throw std::invalid_argument(who + ": expected one image a camera, found " + std::to_string(images.size()) + " for " +
+    throw std::invalid_argument(who + ": expected one image per camera, found " + std::to_string(images.size()) + " for " +
                                 std::to_string(cameras.size()));
   for (std::size_t c = 0; c < images.size(); ++c)
     if (!images[c].empty() &&
@@ -51,7 +51,7 @@ void require_inputs(const std::string &who, const Mesh &mesh, const std::vector<
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks.size() != cameras.size() || (!masks[c].empty() && (masks[c].channels != 1 || masks[c].width != cameras[c].width ||
                                                                  masks[c].height != cameras[c].height)))
-      throw std::invalid_argument(who + ": expected no masks or one a camera with 1 channel and the camera's size, found " +
+      throw std::invalid_argument(who + ": expected no masks or one per camera with 1 channel and the camera's size, found " +
                                   std::to_string(masks.size()) + " masks, the one of camera " + std::to_string(c) + " being " +
                                   std::to_string(masks[c].width) + " x " + std::to_string(masks[c].height));
 }

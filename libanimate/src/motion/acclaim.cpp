@@ -210,7 +210,7 @@ BoneMotion read_bone_motion(const LineReader &reader, const TextLine &line, cons
   return motion;
 }
 
-/// The joints of the result: one a bone, at its start, and one at the end of every chain. `bone_of_joint` is -1 for those.
+/// The joints of the result: one per bone, at its start, and one at the end of every chain. `bone_of_joint` is -1 for those.
 void make_joints(const AcclaimSkeleton &skeleton, const std::vector<int> &order, SourceMotion &clip,
                  std::vector<int> &bone_of_joint) {
   std::vector<int> joint_of_bone(skeleton.bones.size(), -1);

@@ -65,7 +65,7 @@ public:
         rotations.push_back((turned[joints_[j]] * rest[joints_[j]].conjugate()).normalized());
       }
       if (!positions.allFinite())
-        fail("expected finite places of joints, found others at " + options::to_text(time) + " s");
+        fail("expected finite positions of joints, found others at " + options::to_text(time) + " s");
       motion.positions.push_back(std::move(positions));
       motion.rotations.push_back(std::move(rotations));
     }
@@ -100,7 +100,7 @@ private:
       open.insert(open.end(), children[node].begin(), children[node].end());
     }
     if (order_.size() != nodes_.size())
-      fail("expected nodes that hang on roots, found a circle");
+      fail("expected a tree of nodes, found a cycle");
   }
 
   int number_of(const std::string &wanted) const {

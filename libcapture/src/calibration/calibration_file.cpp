@@ -191,8 +191,8 @@ void require_plausible_distance(const std::vector<CalibratedCamera> &cameras, do
     if (const double converted = distance / unit * other; converted >= kNearestCameras && converted <= kFarthestCameras)
       fitting += (fitting.empty() ? "; " : ", ") + name + " would make it " + options::to_text(converted, 4) + " m";
   throw Error(where + ": expected the two cameras farthest apart to be 0.3 to 30 m from each other, found " +
-              options::to_text(distance, 4) + " m: say which units the file has (--units m, cm, mm, or metres a unit" + fitting +
-              ")");
+              options::to_text(distance, 4) + " m: say which units the file has (--units m, cm, mm, or metres per unit" +
+              fitting + ")");
 }
 
 /// Where the pictures' upper edges point, on average, in the world; near zero if cameras look straight down.

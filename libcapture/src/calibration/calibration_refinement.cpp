@@ -453,7 +453,7 @@ void validate(const CalibrationProblem &problem) {
     for (const Camera &camera : *rig)
       validate_camera(camera, "refine_calibration");
   for (const CalibrationMoment &moment : problem.moments) {
-    require(moment.outlines && moment.outlines->size() == views, "one outline a camera");
+    require(moment.outlines && moment.outlines->size() == views, "one outline per camera");
     require(moment.row >= 0 && moment.row < problem.poses.rows(), "moments of the poses");
   }
 }

@@ -88,7 +88,7 @@ Place read_place(const pugi::xml_node &owner, const std::string &where) {
   if (t.size() == 3)
     place.t = Eigen::Vector3d(t.data());
   if (place.t.norm() > 1e5)
-    throw Error(where + ": expected cameras in local coordinates, found them on the globe (the chunk is " +
+    throw Error(where + ": expected cameras in local coordinates, found geographic ones (the chunk is " +
                 std::to_string(static_cast<long>(place.t.norm() / 1000)) + " km from the origin)");
   return place;
 }
@@ -163,7 +163,7 @@ std::vector<CalibratedCamera> read_metashape_calibration(const fs::path &path, s
     const std::string name = node.attribute("label").value(), where = source + ": camera '" + name + "'";
     const std::vector<double> pose = xml_numbers(node.child("transform"));
     if (!node.child("transform")) {
-      left_out.push_back("camera '" + name + "' has no place (it was not aligned)");
+      left_out.push_back("camera '" + name + "' has no pose (it was not aligned)");
       continue;
     }
     if (component_of(node) != component) {

@@ -237,7 +237,7 @@ PersonBundle begin_bundle(const std::vector<PersonView> &views, const std::vecto
   std::vector<Start> starts = find_starts(views, frames, options, context);
   if (starts.empty())
     throw Error("calibration from a person: expected two cameras with " + std::to_string(kLeastCommon) +
-                " keypoints that go together, found none; are they of one person, and of the same time?");
+                " matching keypoints, found none; are they of one person, and of the same time?");
   const int count = static_cast<int>(starts.size()), together = context.thread_count();
   for (int first = 0; first < count; first += together) { // some seconds each: whoever waits may stop them in between
     context.report_progress("calibration", 0.5 * first / count);
@@ -250,7 +250,7 @@ PersonBundle begin_bundle(const std::vector<PersonView> &views, const std::vecto
       std::min_element(starts.begin(), starts.end(), [](const Start &a, const Start &b) { return a.cost < b.cost; });
   if (!std::isfinite(best->cost))
     throw Error("calibration from a person: camera '" + best->lost + "': expected " + std::to_string(kLeastCommon) +
-                " keypoints that go together with those of other cameras, found fewer");
+                " keypoints that match those of other cameras, found fewer");
   return best->bundle;
 }
 

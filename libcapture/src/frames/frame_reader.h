@@ -25,7 +25,7 @@ public:
   static std::unique_ptr<FrameReader> open(const std::filesystem::path &path);
 };
 
-/// "%d" or "%04d" in the file name: a series of images, one a frame, whose first number is 0 or 1.
+/// "%d" or "%04d" in the file name: a series of images, one per frame, whose first number is 0 or 1.
 bool is_image_pattern(const std::filesystem::path &path);
 /// True if a series has an image numbered 0 or 1.
 bool image_series_exists(const std::filesystem::path &pattern);

@@ -10,7 +10,7 @@
 
 namespace doublet::detail {
 
-/// BGR, 8 bits a channel; 16 bits lose the lower ones, alpha is left out, EXIF data turn it. PNG, JPEG, PPM and BMP are decoded
+/// BGR, 8 bits per channel; 16 bits lose the lower ones, alpha is left out, EXIF data turn it. PNG, JPEG, PPM and BMP are decoded
 /// here, whatever else ffmpeg knows by that. Throws FileNotFound, or Error naming the file.
 cv::Mat read_image(const std::filesystem::path &path);
 

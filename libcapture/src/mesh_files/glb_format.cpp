@@ -33,7 +33,7 @@ public:
     std::memcpy(&length, data.data() + 8, sizeof length);
     std::memcpy(&text, data.data() + 12, sizeof text);
     if (length > data.size() || text > data.size() - kGlbHeader)
-      fail("expected the " + std::to_string(length) + " bytes that it says it has, found " + std::to_string(data.size()) +
+      fail("expected " + std::to_string(length) + " bytes as its header says, found " + std::to_string(data.size()) +
            " (truncated?)");
     require_shallow_json(std::string_view(data).substr(kGlbHeader, text), source);
     load(data, length); // what stands behind is of others
@@ -72,7 +72,7 @@ private:
     for (const std::string &extension : model_.extensionsRequired)
       if (extension != "KHR_mesh_quantization" && !extension.starts_with("KHR_materials") &&
           !extension.starts_with("KHR_texture") && !extension.starts_with("EXT_texture"))
-        fail("expected meshes that are written out, found ones that need the extension " + extension);
+        fail("expected uncompressed meshes, found ones that need the extension " + extension);
   }
 
   /// Of the scene that is to be shown; of all nodes, where the file has no scene.
@@ -98,12 +98,12 @@ private:
       const auto [index, parent] = open.back();
       open.pop_back();
       if (index < 0 || static_cast<std::size_t>(index) >= seen.size() || seen[index])
-        fail("expected nodes that hang on one parent each, found node " + std::to_string(index) + " elsewhere");
+        fail("expected a tree of nodes, found node " + std::to_string(index) + " twice or out of range");
       seen[index] = true;
       const tinygltf::Node &node = model_.nodes[index];
       const Affine3d place = parent * local(node);
       if (!place.matrix().allFinite())
-        fail("expected finite places of nodes, found others at node '" + node.name + "'");
+        fail("expected finite positions of nodes, found others at node '" + node.name + "'");
       if (node.mesh >= 0)
         add_mesh(node, place);
       for (int child : node.children)
@@ -132,7 +132,7 @@ private:
       fail("expected one of " + std::to_string(model_.meshes.size()) + " meshes, found number " + std::to_string(node.mesh));
     const tinygltf::Mesh &mesh = model_.meshes[node.mesh];
     if (node.skin >= 0)
-      fail("expected a scan that stands still, found the mesh '" + mesh.name + "' on a skeleton; apply its pose");
+      fail("expected a static scan, found the mesh '" + mesh.name + "' on a skeleton; apply its pose");
     for (const std::vector<double> *weights : {&mesh.weights, &node.weights})
       if (std::any_of(weights->begin(), weights->end(), [](double w) { return w != 0; }))
         fail("expected a scan without morph targets in use, found some at the mesh '" + mesh.name + "'; apply them");

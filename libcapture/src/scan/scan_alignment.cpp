@@ -243,8 +243,8 @@ AlignedScan align_scan(const Mesh &scan, const Mesh &hull, const Context &contex
   const Placement &chosen =
       *std::min_element(best.begin(), best.end(), [](const Placement &a, const Placement &b) { return a.distance < b.distance; });
   if (!(chosen.distance <= kLargestDistance))
-    throw std::invalid_argument("scan: expected the person and the pose that the cameras see, found it " +
-                                printed("%.0f", 1000 * chosen.distance) + " mm from there at best");
+    throw std::invalid_argument("scan: expected the person and the pose that the cameras see, found it at least " +
+                                printed("%.0f", 1000 * chosen.distance) + " mm from the visual hull");
   const Candidate &found = candidates[chosen.candidate];
   Mesh mesh = without_surroundings({placed(found.person.vertices, chosen.hull_from_person), found.person.faces}, target, context);
   return {std::move(mesh), found.unit, found.up, found.floor, chosen.distance};

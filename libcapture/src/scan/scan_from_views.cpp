@@ -15,7 +15,7 @@ namespace {
 
 void require_views(const CameraRig &rig, const std::vector<CameraView> &views) {
   if (views.size() != rig.size())
-    throw std::invalid_argument("scan: expected " + std::to_string(rig.size()) + " views, one a camera, found " +
+    throw std::invalid_argument("scan: expected " + std::to_string(rig.size()) + " views, one per camera, found " +
                                 std::to_string(views.size()));
   for (std::size_t c = 0; c < rig.size(); ++c)
     for (const Image *image : {&views[c].image, &views[c].mask})

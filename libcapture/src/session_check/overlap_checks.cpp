@@ -58,10 +58,8 @@ Findings check_overlap(Evidence &evidence) {
   }
   const double middle = middle_of(own), in_mirror = middle_of(mirrored);
   if (in_mirror > std::max(middle + kClearly, kMirrorFits))
-    return {{true, kWhere +
-                       std::string("expected images as the camera saw them, found ones that fit the scan if they are mirrored "
-                                   "(overlap ") +
-                       printed("%.2f", in_mirror) + ", as they are " + printed("%.2f", middle) + ")"}};
+    return {{true, kWhere + std::string("expected images as the camera saw them, found mirrored ones (overlap with the scan ") +
+                       printed("%.2f", in_mirror) + " when mirrored, " + printed("%.2f", middle) + " as they are)"}};
   if (Findings swapped = swapped_cameras(evidence, seen); !swapped.empty())
     return swapped;
   if (!bad.empty() && middle < kFits)
@@ -77,7 +75,7 @@ std::string describe_start(const std::optional<StartFrame> &start) {
     return "";
   const std::string overlap = printed("%.2f", start->overlap);
   if (start->frame == 0)
-    return "frame 0 is in the scan's pose, but elsewhere: overlap " + overlap + " with the scan moved and turned";
+    return "frame 0 is in the scan's pose, but in another place: overlap " + overlap + " with the scan moved and turned";
   return "frame 0 is not in the scan's pose (overlap " + printed("%.2f", start->first_overlap) + "); frame " +
          std::to_string(start->frame) + " is (" + overlap + "), and tracking begins there and goes both ways";
 }

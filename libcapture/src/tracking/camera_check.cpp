@@ -143,7 +143,7 @@ void move_cameras(Studio &studio, const CamerasMoved &moved, const Context &cont
   std::snprintf(line, sizeof line, "the calibration is %.1f mm off on the actor (outlines %.2f px, %.2f when refined)",
                 1000 * found.change, found.before_px, found.after_px);
   const std::string cameras = moved.late_alone ? "the calibration stays as it is" : line;
-  context.log_line("capture: " + cameras + (late.empty() ? "" : "; frames late: " + late) + "; it begins again");
+  context.log_line("capture: " + cameras + (late.empty() ? "" : "; frames late: " + late) + "; tracking starts again");
 }
 
 } // namespace doublet::detail

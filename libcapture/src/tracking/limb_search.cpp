@@ -190,7 +190,7 @@ std::vector<SeenPoint> points_of(const std::vector<SeenPoint> &points, const Lim
 
 void require_complete(const LimbProblem &problem, const Eigen::VectorXd &dofs) {
   if (!problem.actor || !problem.rig || !problem.masks || problem.masks->size() != problem.rig->size())
-    throw std::invalid_argument("limb search: the problem needs an actor, a rig and one mask a camera");
+    throw std::invalid_argument("limb search: the problem needs an actor, a rig and one mask per camera");
   if (dofs.size() != problem.actor->skeleton.dof_count())
     throw std::invalid_argument("limb search: expected a pose of " + std::to_string(problem.actor->skeleton.dof_count()) +
                                 " degrees of freedom, got " + std::to_string(dofs.size()));

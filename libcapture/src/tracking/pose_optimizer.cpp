@@ -78,17 +78,17 @@ public:
 private:
   void prepare(const PoseProblem &problem) {
     if (!problem.actor || !problem.rig || !problem.outlines || problem.outlines->size() != problem.rig->size())
-      throw std::invalid_argument("PoseOptimizer: the problem needs an actor, a rig and one outline a camera");
+      throw std::invalid_argument("PoseOptimizer: the problem needs an actor, a rig and one outline per camera");
     actor_ = problem.actor;
     const int dofs = actor_->skeleton.dof_count();
     if (problem.start.size() != dofs || problem.predicted.size() != dofs ||
         problem.reliability.size() != actor_->mesh.vertices.rows())
       throw std::invalid_argument(
-          "PoseOptimizer: the problem needs a start and a prediction of all degrees of freedom, and a reliability a vertex");
+          "PoseOptimizer: the problem needs a start and a prediction of all degrees of freedom, and a reliability per vertex");
     detail::require_tracks(problem.tracks, problem.rig->size(), actor_->mesh.faces, "PoseOptimizer");
     if (problem.timing.late.size() > 0 && (problem.timing.late.size() != static_cast<Eigen::Index>(problem.rig->size()) ||
                                            problem.timing.velocity.rows() != problem.actor->mesh.vertices.rows()))
-      throw std::invalid_argument("PoseOptimizer: the timing needs a delay a camera and a velocity a vertex");
+      throw std::invalid_argument("PoseOptimizer: the timing needs a delay per camera and a velocity per vertex");
     for (const SeenPoint &point : problem.points)
       if (point.joint < 0 || point.joint >= actor_->skeleton.joint_count() || !point.rest.allFinite() ||
           !point.seen.allFinite() || !(point.tolerance >= 0))

@@ -150,11 +150,11 @@ private:
 
   void prepare(const SurfaceProblem &problem) {
     if (!problem.actor || !problem.rig || !problem.outlines || problem.outlines->size() != problem.rig->size())
-      throw std::invalid_argument("SurfaceRefiner: the problem needs an actor, a rig and one outline a camera");
+      throw std::invalid_argument("SurfaceRefiner: the problem needs an actor, a rig and one outline per camera");
     const Mesh &mesh = problem.actor->mesh;
     if (problem.base.rows() != mesh.vertices.rows() || problem.skinned.rows() != mesh.vertices.rows() ||
         problem.reliability.size() != mesh.vertices.rows())
-      throw std::invalid_argument("SurfaceRefiner: the problem needs a base, a skinned place and a reliability a vertex");
+      throw std::invalid_argument("SurfaceRefiner: the problem needs a base, a skinned position and a reliability per vertex");
     detail::require_tracks(problem.tracks, problem.rig->size(), mesh.faces, "SurfaceRefiner");
     matches_.assign(problem.rig->size(), {});
     actor_ = problem.actor;

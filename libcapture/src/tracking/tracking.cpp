@@ -241,7 +241,7 @@ void Tracking::count_joints_at(int t) {
 /// garment has been seen to swing it passes for skin, and drags the limbs under it along.
 void Tracking::start_again() {
   constexpr int kAway = 6; // frames: there the surface has come from that of the scan to where it hangs
-  job_.context.log_line("capture: again, knowing what is loose");
+  job_.context.log_line("capture: second pass, now that loose cloth is known");
   order_.again = true;
   const int start = order_.start, near = start + kAway < job_.count ? start + kAway : std::max(0, start - kAway);
   memory_.start_again(searched_ ? near : -1);
@@ -252,7 +252,7 @@ void Tracking::start_again() {
 /// The way to the last frame is done; the one from the start to the first begins with what was known at the start. What is loose
 /// is known better by now, and stays.
 void Tracking::turn_back() {
-  job_.context.log_line("capture: back from frame " + std::to_string(job_.frame(order_.start)) + " to frame " +
+  job_.context.log_line("capture: backwards from frame " + std::to_string(job_.frame(order_.start)) + " to frame " +
                         std::to_string(job_.frame(0)));
   measured_.go_back_to(std::move(at_start_.views));
   tracks_.go_back_to(std::move(at_start_.surface), std::move(at_start_.visible));

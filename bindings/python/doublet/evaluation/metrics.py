@@ -99,7 +99,7 @@ def jitter_ratio(made: Reconstruction, truth: Truth) -> float:
     rows = made.rows(true_joints, 1)
     triples = [t for t in zip(rows, rows[1:], rows[2:]) if t[2][1] - t[0][1] == 2]
     if not triples:
-        raise Missing("no three captured frames that follow each other have true ones")
+        raise Missing("no three consecutive captured frames have ground truth")
 
     def jitter(at) -> float:
         return float(np.mean([np.linalg.norm(at(a) - 2 * at(b) + at(c), axis=-1).mean() for a, b, c in triples]))

@@ -63,11 +63,11 @@ def lag(leader: np.ndarray, follower: np.ndarray, fps: float) -> tuple[float, fl
     if len(leader) < 4 * reach:
         raise Missing(f"needs {4 * reach + 1} frames ({4 * MAX_LAG:g} s), found {len(leader) + 1}")
     if leader.std() < STILL:
-        raise Missing("the pelvis hardly turns, or evenly")
+        raise Missing("the pelvis hardly turns, or turns evenly")
     found = [correlation(leader, follower, shift) for shift in range(-reach, reach + 1)]
     best = int(np.argmax(found))
     if best in (0, 2 * reach):
-        raise Missing(f"the turning of hem and pelvis correlates best at no shift within {MAX_LAG} s")
+        raise Missing(f"the correlation of the turn rates of hem and pelvis has no maximum within {MAX_LAG} s")
     before, peak, after = found[best - 1 : best + 2]
     between = (before - after) / (2 * (before - 2 * peak + after))
     return (best - reach + between) / fps, peak
@@ -115,7 +115,7 @@ def measure(frames: list[int], points: np.ndarray, joints: np.ndarray, shown: li
     def hem_lag() -> dict:
         follow_each_other(frames)
         if joints.shape[1] < 3:
-            raise Missing("fewer than two true joints hang on the pelvis, so its turning is not known")
+            raise Missing("the pelvis has fewer than two true child joints, so its rotation is not known")
         found = lag(turning_rate(joints[:, 1:], pelvis, fps), turning_rate(hem, pelvis, fps), fps)
         return dict(zip(("hem_lag_s", "hem_lag_correlation"), found))
 

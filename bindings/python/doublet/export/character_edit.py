@@ -45,7 +45,7 @@ def set_texture(character: d.Character, file: Path) -> None:
     if not content.startswith((PNG, JPEG)):
         raise RuntimeError(f"{file}: expected a PNG or JPEG, found another kind of image")
     if content.startswith(PNG) and content[BIT_DEPTH] > 8:
-        raise RuntimeError(f"{file}: expected 8 bits a channel, as in files that are drawn, found {content[BIT_DEPTH]}")
+        raise RuntimeError(f"{file}: expected 8 bits per channel, as in files that are drawn, found {content[BIT_DEPTH]}")
     before = character_picture(character)
     if before is not None:
         require_shape(file, picture.size, before.size)

@@ -1,6 +1,6 @@
 """A new animation as a vertex animation texture, for shaders of game engines: OUT_vat.png, OUT_vat.glb, OUT-remap_info.json.
 
-The layout is OpenVAT's (Stilson, https://openvat.org; normals "packed", 16 bits a channel), which has shaders for Unity, Unreal,
+The layout is OpenVAT's (Stilson, https://openvat.org; normals "packed", 16 bits each), which has shaders for Unity, Unreal,
 Godot and three.js. A pixel of the upper half of the texture is how far a vertex of the mesh is from its place at rest, between
 `Min` and `Max` of the .json; of the lower half, its normal, between -1 and 1. A column has the frames of a vertex one below the
 other; where there are more vertices than MOST_COLUMNS, the next ones begin below. TEXCOORD_1 of the mesh is the pixel of frame 0.

@@ -48,7 +48,7 @@ def run(arguments) -> None:
 def change(character: d.Character, arguments) -> None:
     """Colours come after the texture that they are painted into."""
     if arguments.region is not None and not arguments.material:
-        raise ValueError("--region: expected --material beside it, which it is of")
+        raise ValueError("--region: expected --material beside it, found none")
     if arguments.material_file:
         character.materials = materials_in(arguments.material_file, character)
     if arguments.material:
