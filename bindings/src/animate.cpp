@@ -78,21 +78,20 @@ void bind_character(py::module_ &m) {
                   "character.glb. Raises FileNotFoundError, or Error naming the file; other files are never followed.")
       .def(
           "write", [](const Character &character, const std::filesystem::path &path) { write_character(path, character); },
-          py::arg("path"), Release(), "character.glb, complete or not at all.")
+          py::arg("path"), Release(), "Writes character.glb atomically.")
       .def_readwrite("name", &Character::name, "of the character")
       .def_readwrite("actor", &Character::actor, "RiggedMesh: surface, skeleton, skin weights")
-      .def_readwrite("segmentation", &Character::segmentation, "what of the surface is cloth")
+      .def_readwrite("segmentation", &Character::segmentation, "which of its vertices are cloth")
       .def_readwrite("proxies", &Character::proxies, "TaperedCapsules that the cloth collides with")
       .def_readwrite("materials", &Character::materials, "one per cloth region")
-      .def_readwrite("solver", &Character::solver, "SolverSettings, without which the materials mean nothing")
+      .def_readwrite("solver", &Character::solver, "SolverSettings for which the materials are valid")
       .def_readwrite("body", &Character::body, "the body under the clothes, scan pose; may be empty")
       .def_readwrite("body_shown", &Character::body_shown, "(FB) 1 = hidden under cloth in the scan, must be drawn")
-      .def_readwrite(
-          "high_body", &Character::high_body,
-          "the last of M_high's skin that are the body's, welded to the scan: the vertex of `body` that each is; empty "
-          "= the hidden body is drawn beside M_high")
+      .def_readwrite("high_body", &Character::high_body,
+                     "indices into `body` of the last vertices of M_high's skin, if the hidden body is welded to it; empty = the "
+                     "hidden body is drawn as a separate mesh")
       .def_readwrite("body_colour", &Character::body_colour, "linear RGB in [0, 1]")
-      .def_readwrite("high", &Character::high, "M_high, what is displayed, scan pose; may be empty: then M is")
+      .def_readwrite("high", &Character::high, "M_high, the display surface, scan pose; may be empty: then M is displayed")
       .def_readwrite("high_valid", &Character::high_valid, "(FH) 0 = a face of M_high that is not drawn")
       .def_readwrite("garment_subdivisions", &Character::garment_subdivisions, "of the garment in `high`; -1 = none is")
       .def_readwrite("texcoords", &Character::texcoords, "(3 FH, 2) per corner of `high`")
@@ -109,7 +108,7 @@ void bind_character(py::module_ &m) {
   m.def("make_character", &make_character, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("proxies"),
         py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{}, py::arg_v("high_valid", Mask{}, "[]"),
         py::arg("garment_subdivisions") = -1, Release(),
-        "Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.");
+        "Assembles a Character: computes the skin weights of the body, which is drawn where cloth hides it in the scan.");
 }
 
 void bind_motion(py::module_ &m) {
@@ -134,15 +133,14 @@ void bind_motion(py::module_ &m) {
       .def(py::init(&source_motion), py::arg("joint_names"), py::arg("joint_parents"), py::arg("offsets"), py::arg("positions"),
            py::arg("rotations"), py::arg("fps"), py::arg("source") = "arrays", py::arg("up") = Eigen::Vector3d::Zero().eval(),
            "From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, "
-           "3) "
-           "in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of "
-           "length. up: the axis of the world that usually points up in such clips; 0 = any.")
+           "3) in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of "
+           "length. up: the axis of the world that usually points up in such clips; 0 = unknown.")
       .def_readonly("source", &SourceMotion::source, "file name, for messages")
       .def_readonly("animations", &SourceMotion::animations,
-                    "names of all that the file has, where it can have several (.glb, .fbx)")
-      .def_readonly("animation", &SourceMotion::animation, "which of these this is, counted from 0")
+                    "names of all animations in the file, if the format can have several (.glb, .fbx)")
+      .def_readonly("animation", &SourceMotion::animation, "index of this one in `animations`")
       .def_readonly("fps", &SourceMotion::fps, "frames a second")
-      .def_readonly("up", &SourceMotion::up, "axis of the world that points up, where the format has one; 0 = any")
+      .def_readonly("up", &SourceMotion::up, "up axis of the world if the format defines one; 0 = unknown")
       .def_property_readonly("frame_count", &SourceMotion::frame_count, "T")
       .def_property_readonly(
           "joint_names",
@@ -152,7 +150,7 @@ void bind_motion(py::module_ &m) {
               names.push_back(joint.name);
             return names;
           },
-          "(J) as the file has them")
+          "(J) as in the file")
       .def_property_readonly(
           "joint_parents",
           [](const SourceMotion &motion) {
@@ -177,9 +175,9 @@ void bind_motion(py::module_ &m) {
   OptionsClass<RetargetOptions>(m, "Options of retarget.");
   m.def("retarget", &retarget, py::arg("clip"), py::arg("skeleton"), py::arg("options") = RetargetOptions{},
         py::arg("context") = interruptible_context(), Release(),
-        "A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.");
+        "A clip on its own skeleton -> Motion of our skeleton; joints are matched by name and topology.");
   m.def("up_of_world", &up_of_world, py::arg("clip"), py::arg("given") = std::map<std::string, std::string>{}, Release(),
-        "The axis of the clip's world that points up, as retarget() finds it. given: our joint -> name in the clip.");
+        "The axis of the clip's world that points up, as retarget() determines it. given: our joint -> name in the clip.");
   Class<JointMatch>(m, "JointMatch", "Which joint of a clip plays one of our joints, and why.")
       .def_readonly("part", &JointMatch::part, "our joint")
       .def_readonly("joint", &JointMatch::joint, "index into the clip's joint_names; -1 = none")
@@ -187,31 +185,30 @@ void bind_motion(py::module_ &m) {
   m.def("explain_match", &explain_match, py::arg("clip"), py::arg("given") = std::map<std::string, std::string>{},
         "A JointMatch for each of our joints. given: our joint -> name in the clip, '' = none.");
   m.def("resample", &resample, py::arg("skeleton"), py::arg("motion"), py::arg("fps"),
-        "The same Motion at another rate; first and last pose stay (the last as far as the new rate reaches it).");
+        "The same Motion at another rate; the first pose stays, and the last one if it falls on a frame of the new rate.");
   OptionsClass<PlantOptions>(m, "Options of plant_feet and find_contacts.");
-  Class<FootContacts>(m, "FootContacts", "When one foot of a motion stands.")
+  Class<FootContacts>(m, "FootContacts", "Contacts of heel and ball of one foot.")
       .def_readonly("ankle", &FootContacts::ankle, "joint")
       .def_property_readonly(
           "heel", [](const FootContacts &foot) { return foot.heel; }, "(T,) bool")
       .def_property_readonly(
           "ball", [](const FootContacts &foot) { return foot.ball; }, "(T,) bool");
   m.def("find_contacts", &find_contacts, py::arg("skeleton"), py::arg("motion"), py::arg("options") = PlantOptions{}, Release(),
-        "A FootContacts for each foot of the Motion that can be planted: when its heel and ball stand.");
+        "A FootContacts for each foot of the Motion that can be planted: the frames in which its heel and ball stand.");
   m.def("plant_feet", &plant_feet, py::arg("skeleton"), py::arg("motion"), py::arg("options") = PlantOptions{}, Release(),
-        "The Motion with its feet planted: what stands stays where it is, on the floor, and no foot is below it.");
+        "The Motion with planted feet: a foot that stands stays in place on the floor, and no foot is below it.");
   m.def("write_bvh", &write_bvh, py::arg("path"), py::arg("skeleton"), py::arg("motion"), Release(),
-        "A Motion as BVH in metres and degrees, +Y up, complete or not at all.");
+        "Writes a Motion as BVH in metres and degrees, +Y up, atomically.");
 }
 
 void bind_animator(py::module_ &m) {
   m.def("resolve_arm_penetration", &resolve_arm_penetration, py::arg("character"), py::arg("motion"),
         py::arg("context") = interruptible_context(), Release(),
-        "The Motion with shoulders turned so far that forearms and hands are clear of the body; animate() does it by default.");
+        "The Motion with the shoulders turned until forearms and hands are clear of the body; animate() does it by default.");
   OptionsClass<AnimateOptions>(m, "Options of animate.");
   Class<AnimationResult>(m, "AnimationResult", py::dynamic_attr(),
-                         "An animation in memory; an array is put together at its first access, and kept: a copy that cannot be "
-                         "written to.")
-      .def_readonly("fps", &AnimationResult::fps, "frames a second, the character's")
+                         "An animation in memory. Arrays are assembled at the first access and cached: read-only copies.")
+      .def_readonly("fps", &AnimationResult::fps, "frames per second, the character's")
       .def_readonly("dofs", &AnimationResult::dofs, "(T, D)")
       .def_property_readonly(
           "surface",
@@ -238,7 +235,7 @@ void bind_animator(py::module_ &m) {
       py::arg("character"), py::arg("motion"), py::arg("options") = AnimateOptions{},
       py::arg("context") = interruptible_context(), py::arg("make_solver") = py::none(),
       "The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the "
-      "simulation leaves the finite numbers. make_solver: as of CharacterSimulator.");
+      "cloth is no longer finite. make_solver: as in CharacterSimulator.");
 }
 
 void bind_streaming(py::module_ &m) {
@@ -259,77 +256,75 @@ void bind_streaming(py::module_ &m) {
       },
       py::arg("character"), py::arg("motion"), py::arg("frame"), py::arg("options") = AnimateOptions{},
       py::arg("context") = interruptible_context(), py::arg("make_solver") = py::none(),
-      "animate(), but calls frame(AnimationFrame) in order and keeps nothing.");
+      "animate(), but calls frame(AnimationFrame) in order and stores nothing.");
   m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"),
         py::arg_v("drawn", TexturedFaces{}, "TexturedFaces()"), Release(),
-        "An animation as arrays (docs/formats.md), complete or not at all. drawn: faces in the place of M_high's.");
+        "Writes an animation as arrays (docs/formats.md), atomically. drawn: faces instead of M_high's.");
   OptionsClass<BakedGlbOptions>(m, "Options of write_baked_glb.");
-  Class<BakedMeshSummary>(m, "BakedMeshSummary", "What a viewer shows of a baked mesh, against the animation.")
+  Class<BakedMeshSummary>(m, "BakedMeshSummary", "Difference between what a viewer shows of a baked mesh and the animation.")
       .def_readonly("name", &BakedMeshSummary::name, "of the node: surface, body")
-      .def_readonly("vertices", &BakedMeshSummary::vertices, "in the file, where the texture's seams have two")
+      .def_readonly("vertices", &BakedMeshSummary::vertices, "in the file; a vertex on a seam of the texture counts twice")
       .def_readonly("shapes", &BakedMeshSummary::shapes, "morph targets")
       .def_readonly("rms_error", &BakedMeshSummary::rms_error, "m, over all frames and vertices")
-      .def_readonly("error_95", &BakedMeshSummary::error_95, "m, that 95 % are below")
+      .def_readonly("error_95", &BakedMeshSummary::error_95, "m, 95 % quantile")
       .def_readonly("max_error", &BakedMeshSummary::max_error, "m");
   Class<BakedGlbSummary>(m, "BakedGlbSummary", "What write_baked_glb stored.")
-      .def_readonly("keys", &BakedGlbSummary::keys, "at which the shapes' weights are stored")
+      .def_readonly("keys", &BakedGlbSummary::keys, "times at which the weights of the shapes are stored")
       .def_readonly("meshes", &BakedGlbSummary::meshes, "a BakedMeshSummary each");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
         py::arg("options") = BakedGlbOptions{}, py::arg_v("drawn", TexturedFaces{}, "TexturedFaces()"),
         py::arg("context") = interruptible_context(), Release(),
-        "An animation as glTF 2.0 that any viewer plays: bones, and shapes of M_high in its texture (of M where the animation is "
-        "without M_high) and of the body. drawn: faces in the place of M_high's. Complete or not at all. Returns a "
-        "BakedGlbSummary.");
+        "Writes an animation as glTF 2.0 that any viewer plays, atomically: bones, and morph targets of textured M_high (of M if "
+        "the animation has no M_high) and of the body. drawn: faces instead of M_high's. Returns a BakedGlbSummary.");
 }
 
 /// What the player returns is its own: a view, which the next step writes over.
 void bind_player(py::module_ &m) {
   constexpr auto kView = py::return_value_policy::reference_internal;
   Class<Player>(m, "Player",
-                "A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the "
-                "AnimationFrame that it returns are views, which the next step writes over: copy what you keep.")
+                "Interactive simulation of a character: a pose in, a surface out, one frame at a time. The arrays of the "
+                "returned AnimationFrame are views that the next step overwrites: copy what you keep.")
       .def(py::init([](const Character &character, const AnimateOptions &options, const SolverMaker &make_solver) {
              const pbd::ClothSolverFactory make = solver_factory(make_solver);
              const py::gil_scoped_release release;
              return std::make_unique<Player>(character, options, make);
            }),
            py::arg("character"), py::arg("options") = AnimateOptions{}, py::arg("make_solver") = py::none(),
-           "Stands in the rest pose; begin with reset(). make_solver: as of CharacterSimulator.")
+           "Starts in the rest pose, with the cloth not settled; begin with reset(). make_solver: as in CharacterSimulator.")
       .def("reset", &Player::reset, py::arg("dofs"), kView, Release(),
-           "Begins anew in this pose (D): the cloth falls into place for AnimateOptions.settle_seconds.")
+           "Restarts in this pose (D): the cloth is draped and settles for AnimateOptions.settle_seconds.")
       .def(
           "step",
           [](Player &player, const Eigen::VectorXd &dofs, std::optional<double> seconds) -> const AnimationFrame & {
             return seconds ? player.step(dofs, *seconds) : player.step(dofs);
           },
           py::arg("dofs"), py::arg("seconds") = py::none(), kView, Release(),
-          "Goes on to this pose (D) in `seconds`, in (0, 1]; None = the character's own step. The cloth moves alike at every "
-          "frame "
-          "rate. Raises Error if it comes out not finite; it then stays where it last was, and reset() helps.")
+          "Advances to this pose (D) by `seconds`, in (0, 1]; None = the character's own step. The cloth moves alike at every "
+          "frame rate. Raises Error if it is not finite after the step; it then stays where it last was, and reset() recovers.")
       .def("teleport", &Player::teleport, py::arg("dofs"), kView, Release(),
-           "Stands in this pose (D) at once; the cloth is carried along with the root, with its speed.")
+           "Jumps to this pose (D); the cloth and its velocities move rigidly with the root.")
       .def_property_readonly("frame", &Player::frame, kView, "The last AnimationFrame.")
       .def_property_readonly("character", &Player::character, kView,
-                             "Character that is played, as it was given; to change how it plays set what follows")
+                             "the Character as it was given; set the properties below to change how it plays")
       .def_property("materials", &Player::materials, &Player::set_materials, py::return_value_policy::copy,
-                    "One a cloth region; assign a list to change them.")
+                    "One per cloth region; assign a list to change them.")
       .def_property("wind", &Player::wind, &Player::set_wind, py::return_value_policy::copy, "(3) m/s")
       .def_property("gravity", &Player::gravity, &Player::set_gravity, py::return_value_policy::copy, "(3) m/s^2, within 1000")
       .def_property("proxies", &Player::proxies, &Player::set_proxies, py::return_value_policy::copy,
                     "Tapered capsules that the cloth collides with; assign a list to change them.")
       .def_property("state", &Player::state, &Player::set_state, py::return_value_policy::copy,
-                    "A copy of the cloth's positions and velocities; assign it to go back.")
+                    "A copy of the cloth's positions and velocities; assign it to restore them.")
       .def(
           "copy", [](const Player &player) { return player; },
-          "A character of its own, which shares what never changes: see step_players.");
+          "An independent copy, which shares what never changes: see step_players.");
   m.def(
       "step_players",
       [](const std::vector<Player *> &players, const std::vector<Eigen::VectorXd> &dofs, double seconds, int threads) {
         step_players(require_objects(players, "players"), dofs, seconds, threads);
       },
       py::arg("players"), py::arg("dofs"), py::arg("seconds"), py::arg("threads") = 1, Release(),
-      "player.step(pose, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to "
-      "`threads` threads, with the same bits; dofs: a pose (D) for each.");
+      "player.step(pose, seconds) for several copies of one player, side by side in the lanes of SIMD registers and on up to "
+      "`threads` threads, with the same bits; dofs: one pose (D) for each.");
 }
 
 void bind_pictures(py::module_ &m) {
@@ -352,12 +347,12 @@ void bind_pictures(py::module_ &m) {
       .def_readwrite("colour", &RenderMesh::colour, "(3) R G B in [0, 1]");
   OptionsClass<RenderOptions>(m, "Options of render.");
   m.def("hidden_faces", &hidden_faces, py::arg("character"), Release(),
-        "(FH) 1 = a face of M_high that is of the hidden body, or joins it to the scan.");
+        "(FH) 1 = the face of M_high belongs to the hidden body, or joins it to the scan.");
   m.def("render", &render, py::arg("meshes"), py::arg("camera"), py::arg("options") = RenderOptions{}, Release(),
         "(H, W, 3) uint8, BGR");
   m.def("orbit_camera", &orbit_camera, py::arg("target"), py::arg("radius"), py::arg("azimuth"), py::arg("elevation"),
         py::arg("width"), py::arg("height"), "Looks at target from azimuth (rad, 0 = from +Z) and elevation.");
-  Class<CharacterRenderer>(m, "CharacterRenderer", "Pictures of one character in many frames; safe from many threads.")
+  Class<CharacterRenderer>(m, "CharacterRenderer", "Renders one character in many frames; thread-safe.")
       .def(py::init<const Character &>(), py::arg("character"), Release())
       .def("meshes", &CharacterRenderer::meshes, py::arg("surface"), py::arg("high"), py::arg("body"), Release(),
            "The RenderMesh objects of a frame.")
@@ -386,8 +381,8 @@ void bind_texture(py::module_ &m) {
                           const std::vector<Image> &, const TextureOptions &, const Context &>(&texture_character),
         py::arg("character"), py::arg("surface"), py::arg("cameras"), py::arg("images"), py::arg("masks") = std::vector<Image>{},
         py::arg("options") = TextureOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the "
-        "colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.");
+        "Bakes the texture of the character from the images of a frame in which M is at `surface` (V, 3); the hidden body gets "
+        "the colour of the skin beyond the garment's boundary. Returns the share of the surface that a camera saw.");
   m.def(
       "texture_character_from_take",
       [](Character &character, const std::vector<Vertices> &surfaces, const CameraRig &cameras, const ImagesOfFrame &images,
@@ -398,26 +393,25 @@ void bind_texture(py::module_ &m) {
       },
       py::arg("character"), py::arg("surfaces"), py::arg("cameras"), py::arg("images"), py::arg("options") = TextureOptions{},
       py::arg("context") = interruptible_context(), Release(),
-      "The same from the frames of a take in which M is at `surfaces` (a list of (V, 3)): images(i) gives those of the i-th and "
-      "its masks, two lists with one per camera; it is asked for few of them, in rising order.");
+      "The same from the frames of a take in which M is at `surfaces` (a list of (V, 3)): images(i) returns the images and the "
+      "masks of frame i, two lists with one entry per camera; it is called for few frames, in ascending order.");
   m.def("sample_colours", &sample_colours, py::arg("mesh"), py::arg("face_valid"), py::arg("cameras"), py::arg("images"),
         py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "(10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for SegmentInputs.colours.");
-  Class<DisplayMesh>(m, "DisplayMesh", "What is drawn of a character, in the scan pose.")
+  Class<DisplayMesh>(m, "DisplayMesh", "The display surface of a character, in the scan pose.")
       .def_readonly("mesh", &DisplayMesh::mesh, "M_high, scan pose")
       .def_readonly("valid", &DisplayMesh::valid, "(FH) 0 = not drawn")
       .def_readonly("garment_subdivisions", &DisplayMesh::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
   m.def("build_display_mesh", &build_display_mesh, py::arg("actor"), py::arg("segmentation"), py::arg("high"),
         py::arg("body") = Mesh{}, Release(),
-        "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place. What "
-        "lies on `body` as its skin does is not taken for what closes the scan below a hem.");
+        "The display surface; if the actor wears a garment with a mesh of its own, the garment replaces the scan's faces that it "
+        "covers. Surface that lies on `body` like skin is not mistaken for the surface that closes the scan below a hem.");
   m.def("drawn_faces", &drawn_faces, py::arg("character"), Release(),
         "TexturedFaces of the valid faces of M_high. Raises Error naming the part of the character that does not fit.");
-  m.def(
-      "reduce_faces", &reduce_faces, py::arg("vertices"), py::arg("drawn"), py::arg("triangles"), Release(),
-      "About so many triangles in the place of TexturedFaces, of the same vertices: open rims and seams of the texture are only "
-      "thinned along themselves.");
+  m.def("reduce_faces", &reduce_faces, py::arg("vertices"), py::arg("drawn"), py::arg("triangles"), Release(),
+        "TexturedFaces reduced to about `triangles` triangles, with the same vertices: boundaries and seams of the texture lose "
+        "vertices only where they are straight.");
   Class<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
       .def(py::init<const Character &>(), py::arg("character"), Release())
       .def("apply", py::overload_cast<const Vertices &>(&DisplaySurface::apply, py::const_), py::arg("surface"), Release(),

@@ -108,45 +108,44 @@ public:
 };
 
 void bind_marks(py::module_ &m) {
-  Class<DetectedJoints>(m, "DetectedJoints", "Joints and landmarks of a person that nobody marked.")
+  Class<DetectedJoints>(m, "DetectedJoints", "Joints and landmarks of a surface without annotations.")
       .def_readonly("joints", &DetectedJoints::joints, "the standard joints, JointAnnotation")
       .def_readonly("landmarks", &DetectedJoints::landmarks, "name -> point on the body, m")
       .def_readonly("fit", &DetectedJoints::fit, "the body that they were read from")
       .def_readonly("facing_ambiguity", &DetectedJoints::facing_ambiguity,
-                    "how far it and the surface are from each other, over the same of the fit that looks the other way: near 1 = "
-                    "hard to tell");
+                    "distance between body and surface, divided by that of the body fitted to face the other way: near 1 = front "
+                    "and back are ambiguous");
   m.def("detect_joints", &detect_joints, py::arg("surface"), py::arg("face_valid"), py::arg("model"),
         py::arg("options") = BodyFitOptions{}, py::arg("seen") = std::map<std::string, Eigen::Vector3d>{},
         py::arg("context") = interruptible_context(), Release(),
-        "Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: "
-        "joints "
-        "whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.");
+        "Joints and landmarks of a person, upright (+Y), by fitting the body model. face_valid: 0 = invented, empty = all valid; "
+        "seen: joints whose positions are known to 3 cm, name -> (3) m; without them arms and legs must be apart.");
 }
 
 void bind_regions(py::module_ &m) {
   Class<BodyRegion>(m, "BodyRegion", "How far a fit can be trusted along one bone.")
-      .def_readonly("joint", &BodyRegion::joint, "that the bone hangs from")
+      .def_readonly("joint", &BodyRegion::joint, "at which the bone begins")
       .def_readonly("area", &BodyRegion::area, "m^2 of the body")
       .def_readonly("exposed", &BodyRegion::exposed, "share of it whose nearest surface is skin")
       .def_readonly("residual", &BodyRegion::residual, "m, mean distance of that skin to the body")
       .def_readonly("deviation", &BodyRegion::deviation, "m, expected RMS error");
   m.def("body_regions", &body_regions, py::arg("fit"), py::arg("actor"), py::arg("segmentation"), Release(),
-        "One BodyRegion a bone: how far the fit can be trusted there.");
+        "One BodyRegion per bone: how far the fit can be trusted there.");
 }
 
 void bind_proxy_statistics(py::module_ &m) {
-  Class<ProxyStatistics>(m, "ProxyStatistics", "How well the capsules stand for the body under cloth, m.")
+  Class<ProxyStatistics>(m, "ProxyStatistics", "How well the capsules approximate the body under cloth, m.")
       .def_readonly("capsules", &ProxyStatistics::capsules, "their number")
       .def_readonly("samples", &ProxyStatistics::samples, "body vertices under cloth")
       .def_readonly("mean_distance", &ProxyStatistics::mean_distance,
                     "m, mean |signed distance| of body vertices under cloth to the union of capsules")
-      .def_readonly("percentile95", &ProxyStatistics::percentile95, "m, 95 % of the same")
+      .def_readonly("percentile95", &ProxyStatistics::percentile95, "m, 95 % quantile of the same")
       .def_readonly("largest_bulge", &ProxyStatistics::largest_bulge,
-                    "m, how far a capsule stands out of the body at most; 0 = nowhere")
+                    "m, largest distance by which a capsule protrudes from the body; 0 = none")
       .def_readonly("cloth_clearance", &ProxyStatistics::cloth_clearance,
                     "m, smallest signed distance of the resting cloth to the capsules; negative = pushed");
   m.def("proxy_statistics", &proxy_statistics, py::arg("capsules"), py::arg("fit"), py::arg("actor"), py::arg("segmentation"),
-        Release(), "How far capsules and body are apart under the cloth.");
+        Release(), "Distances between capsules and body under the cloth -> ProxyStatistics.");
 }
 
 void bind_training(py::module_ &m) {
@@ -170,19 +169,20 @@ void bind_bodymodel(py::module_ &m) {
       "vertices = mean + components s, s ~ N(0, I). To replace it, define vertices(coefficients) and component(k) in a subclass; "
       "a "
       "model that is not linear also linearise(coefficients, chosen), one with a skeleton joints(coefficients).")
-      .def(
-          py::init<int, int, Faces, std::map<std::string, int>, std::string, std::optional<int>, std::vector<std::string>>(),
-          py::kw_only(), py::arg("vertex_count"), py::arg("component_count"), py::arg("faces"),
-          py::arg("landmarks") = std::map<std::string, int>(), py::arg("name") = "python", py::arg("shape_count") = std::nullopt,
-          py::arg("joint_names") = std::vector<std::string>(),
-          "What a subclass is made of. faces (F, 3); landmarks: name -> vertex; shape_count: the first coefficients, None = all.")
+      .def(py::init<int, int, Faces, std::map<std::string, int>, std::string, std::optional<int>, std::vector<std::string>>(),
+           py::kw_only(), py::arg("vertex_count"), py::arg("component_count"), py::arg("faces"),
+           py::arg("landmarks") = std::map<std::string, int>(), py::arg("name") = "python", py::arg("shape_count") = std::nullopt,
+           py::arg("joint_names") = std::vector<std::string>(),
+           "For subclasses. faces (F, 3); landmarks: name -> vertex; shape_count: number of shape coefficients, which come "
+           "first, None = all.")
       .def_static(
           "read", [](const std::filesystem::path &path) { return std::const_pointer_cast<BodyModel>(BodyModel::read(path)); },
           py::arg("path"), Release(),
           "A model in this library's format or SMPL's (.npz). Raises FileNotFoundError, or Error naming file and array.")
       .def_property_readonly("vertex_count", &BodyModel::vertex_count, "B")
       .def_property_readonly("component_count", &BodyModel::component_count, "C, of shape")
-      .def_property_readonly("shape_count", &BodyModel::shape_count, "the first coefficients; the others are the pose")
+      .def_property_readonly("shape_count", &BodyModel::shape_count,
+                             "number of shape coefficients, which come first; the others are the pose")
       .def_property_readonly("faces", &BodyModel::faces, "(FB, 3)")
       .def_property_readonly("landmarks", &BodyModel::landmarks, "name -> vertex of the body")
       .def_property_readonly("name", &BodyModel::name, "name and hash of the file")
@@ -222,15 +222,15 @@ void bind_bodymodel(py::module_ &m) {
           "RiggedMesh in the scan pose")
       .def_property_readonly(
           "segmentation", [](const ClothedScan &scan) { return scan.segmentation; }, py::return_value_policy::reference,
-          "what of it is cloth")
+          "Segmentation of the actor")
       .def_readonly("landmarks", &ClothedScan::landmarks, "name -> point on the surface, m");
-  Class<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
+  Class<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body under the clothes. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{}, "The built-in fitter.")
       .def("fit", &BodyFitter::fit, py::arg("actor"), py::arg("segmentation"), py::arg("model"), py::arg("landmarks"),
            py::arg("context") = interruptible_context(), Release(), "The body under the clothes. landmarks: name -> point, m.")
       .def("fit_together", &BodyFitter::fit_together, py::arg("scans"), py::arg("model"),
-           py::arg("context") = interruptible_context(), Release(), "One shape, a pose a scan; a list of BodyFit.");
+           py::arg("context") = interruptible_context(), Release(), "One shape, and one pose per scan -> list of BodyFit.");
   m.def("body_fitter_violations", &testing::body_fitter_violations, py::arg("fitter"), py::arg("actor"), py::arg("segmentation"),
         py::arg("model"), py::arg("landmarks"), Release(),
         "One sentence for each rule that a BodyFitter breaks on a scan of yours: sizes, finite, the same bits twice, refusals.");

@@ -111,34 +111,36 @@ public:
 
 void bind_calibration(py::module_ &m) {
   OptionsClass<CalibrationOptions>(m, "Options of read_calibration.");
-  Class<Lens>(m, "Lens", "What Camera.distortion cannot describe: undone when a session reads images.")
+  Class<Lens>(m, "Lens", "A lens that Camera.distortion cannot describe: images are undistorted when a session reads them.")
       .def(py::init<>())
       .def_readwrite("fisheye", &Lens::fisheye, "OpenCV's fisheye model; otherwise its extensions of Brown's")
       .def_readwrite("distortion", &Lens::distortion, "fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none")
-      .def_property_readonly("needs_undistortion", &Lens::needs_undistortion, "whether there is anything to undo");
+      .def_property_readonly("needs_undistortion", &Lens::needs_undistortion, "false: Camera.distortion is sufficient");
   Class<CalibratedCamera>(m, "CalibratedCamera", "A camera as it was calibrated, and its lens.")
       .def(py::init([](Camera camera, Lens lens, int late) {
              return CalibratedCamera{std::move(camera), std::move(lens), late};
            }),
            py::arg("camera"), py::arg("lens") = Lens{}, py::arg("late") = 0)
-      .def_readwrite("camera", &CalibratedCamera::camera, "its distortion is zero where the lens is undone")
-      .def_readwrite("lens", &CalibratedCamera::lens, "what is undone when frames are read")
-      .def_readwrite("late", &CalibratedCamera::late, "frames: what it films in frame t + late the others film in frame t")
-      .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.")
+      .def_readwrite("camera", &CalibratedCamera::camera, "its distortion is zero if the lens needs undistortion")
+      .def_readwrite("lens", &CalibratedCamera::lens, "undistorted when frames are read")
+      .def_readwrite("late", &CalibratedCamera::late,
+                     "delay in frames: its frame t + late shows the same moment as frame t of the others")
+      .def("project", &CalibratedCamera::project, py::arg("point"),
+           "Pixel of a world point (3), m, in the original (distorted) image.")
       .def("project_jacobian", &CalibratedCamera::project_jacobian, py::arg("point"), "(2, 3) pixels per metre.");
   py::implicitly_convertible<Camera, CalibratedCamera>();
   m.def(
       "triangulate",
       [](const std::vector<CalibratedCamera> &cameras, const Vertices &seen) { return triangulate(cameras, to_keypoints(seen)); },
       py::arg("cameras"), py::arg("seen"), Release(),
-      "(3) m: the point that the most cameras agree on, or None if no two do. seen: (C, 3) pixel and confidence in each camera; "
-      "below 0.3 it does not count.");
+      "(3) m: the point on which the largest set of cameras agrees, or None if no two do. seen: (C, 3) pixel and confidence in "
+      "each camera; points with a confidence below 0.3 are ignored.");
   m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic Studio or Metashape, or of a "
         "calibration.yml, in metres and with +Y up. The context's log says which were left out.");
   m.def("write_calibration", &write_calibration, py::arg("path"), py::arg("cameras"), Release(),
-        "calibration.yml of a session, complete or not at all; takes Camera, too.");
+        "Writes calibration.yml of a session, atomically; also accepts Camera objects.");
 }
 
 /// seen (T, joints, 3) pixel and confidence; silhouettes T arrays (n, 2), or none.
@@ -157,7 +159,7 @@ PersonView person_view(const std::string &name, std::pair<int, int> size,
 
 void bind_person_calibration(py::module_ &m) {
   OptionsClass<PersonCalibrationOptions>(m, "Options of calibrate_from_person.");
-  Class<PersonView>(m, "PersonView", "What one camera saw of a person.")
+  Class<PersonView>(m, "PersonView", "What one camera shows of a person.")
       .def(py::init(&person_view), py::arg("name"), py::arg("size"), py::arg("seen"), py::arg("focal") = 0.0,
            py::arg("silhouettes") = std::vector<std::vector<Eigen::Vector2d>>{},
            "size: width and height, px. seen: (T, 12, 3) pixel and confidence of doublet.session.keypoints.JOINTS. focal: px, 0 "
@@ -165,19 +167,20 @@ void bind_person_calibration(py::module_ &m) {
            "silhouettes: of each frame corners of a hull (n, 2), none where it is not known.")
       .def_property_readonly(
           "name", [](const PersonView &view) { return view.name; }, "of the camera");
-  Class<PersonCamera>(m, "PersonCamera", "What became of one camera.")
-      .def_readonly("agreeing", &PersonCamera::agreeing, "share of its keypoints that go together with the other cameras'")
+  Class<PersonCamera>(m, "PersonCamera", "Result for one camera.")
+      .def_readonly("agreeing", &PersonCamera::agreeing,
+                    "share of its keypoints within three expected errors of the projected joints")
       .def_readonly("error", &PersonCamera::error, "px, median of these")
       .def_readonly("tangent_error", &PersonCamera::tangent_error,
-                    "m, median distance at the person of planes that touch her in two cameras; NaN without silhouettes");
-  Class<PersonCalibration>(m, "PersonCalibration", "Cameras from what they saw of a person.")
+                    "m, median distance, at the person, between the tangent planes of two cameras; NaN without silhouettes");
+  Class<PersonCalibration>(m, "PersonCalibration", "Cameras calibrated from one person.")
       .def_readonly("rig", &PersonCalibration::rig, "m, +Y up, the floor at y = 0")
       .def_readonly("cameras", &PersonCalibration::cameras, "one PersonCamera each")
       .def_readonly("joints", &PersonCalibration::joints, "(12 moments, 3) m; NaN where no two cameras agree")
       .def_readonly("frames", &PersonCalibration::frames, "of the moments");
   m.def("calibrate_from_person", &calibrate_from_person, py::arg("views"), py::arg("options") = PersonCalibrationOptions{},
         py::arg("context") = interruptible_context(), Release(),
-        "Cameras that stand still, from joints and silhouettes of one person who moves before them.");
+        "Calibrates static cameras from joints and silhouettes of one person who moves in front of them.");
   m.def("silhouette_hull", &silhouette_hull, py::arg("mask"), Release(),
         "Corners (n, 2) px of the convex hull of a mask (H, W) uint8; empty if it is, or if it touches a border.");
 }
@@ -187,13 +190,13 @@ void bind_session(py::module_ &m) {
       .def(py::init<>())
       .def_readwrite("name", &SessionCamera::name, "of the camera")
       .def_readwrite("video", &SessionCamera::video, "mp4 or printf pattern of images; empty if there are only masks")
-      .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = key the video")
+      .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = silhouettes are computed from the video")
       .def_readwrite("background", &SessionCamera::background, "image of the empty stage or pattern of several; empty = none")
       .def_readwrite("first_frame", &SessionCamera::first_frame, "of video and masks: frame 0 of the session")
       .def_readwrite("late", &SessionCamera::late, "frames, as CalibratedCamera.late")
-      .def_readonly("video_fps", &SessionCamera::video_fps, "what the video's container says; 0 = nothing");
+      .def_readonly("video_fps", &SessionCamera::video_fps, "as stated in the video's container; 0 = not stated");
   Class<Session>(m, "Session", "A capture session on disk, checked as a whole.")
-      .def(py::init<>(), "Empty, to be filled by hand: one that is nowhere on disk.")
+      .def(py::init<>(), "An empty session, to be filled by hand, that need not exist on disk.")
       .def(py::init(&read_session), py::arg("folder"), Release())
       .def("recalibrated", &recalibrated, py::arg("calibration"), Release(),
            "The session with the cameras of another calibration.yml, such as the refined one of a capture.")
@@ -203,7 +206,7 @@ void bind_session(py::module_ &m) {
       .def_readwrite("frame_count", &Session::frame_count, "of every camera")
       .def_readwrite("cameras", &Session::cameras, "SessionCameras")
       .def_readwrite("rig", &Session::rig, "a Camera for each of `cameras`")
-      .def_readwrite("lenses", &Session::lenses, "undone when images are read; one for each camera")
+      .def_readwrite("lenses", &Session::lenses, "undistorted when images are read; one per camera")
       .def_readwrite("scan", &Session::scan, "absolute; empty if there is none")
       .def_readwrite("scan_from_views", &Session::scan_from_views, "whether `doublet scan` made the scan from the views")
       .def_readwrite("calibration", &Session::calibration, "absolute")
@@ -216,8 +219,7 @@ void bind_session(py::module_ &m) {
   const py::cpp_function init_subclass(&make_counts_properties, py::name("__init_subclass__"));
   source.attr("__init_subclass__") = py::reinterpret_steal<py::object>(PyClassMethod_New(init_subclass.ptr()));
   source.def(py::init<>())
-      .def_static("open", &FrameSource::open, py::arg("session"), Release(),
-                  "Images and masks of a session, read as they are asked for.")
+      .def_static("open", &FrameSource::open, py::arg("session"), Release(), "Images and masks of a session, read on demand.")
       .def_property_readonly("frame_count", &FrameSource::frame_count, "of each camera")
       .def_property_readonly("camera_count", &FrameSource::camera_count, "of the session")
       .def("image", &FrameSource::image, py::arg("camera"), py::arg("frame"), Release(), "(H, W, 3) uint8, BGR")
@@ -225,10 +227,10 @@ void bind_session(py::module_ &m) {
       .def(
           "keypoints", [](FrameSource &frames, int camera, int frame) { return to_rows(frames.keypoints(camera, frame)); },
           py::arg("camera"), py::arg("frame"), Release(),
-          "(12, 3) pixel and confidence of doublet.session.keypoints.JOINTS; (0, 3) where nobody has looked for them.");
+          "(12, 3) pixel and confidence of doublet.session.keypoints.JOINTS; (0, 3) if there are none.");
   OptionsClass<ChromaKeyOptions>(m, "Options of the built-in SilhouetteExtractor.");
   OptionsClass<BackgroundOptions>(m, "Options of silhouettes by the difference to a background.");
-  OptionsClass<SilhouetteOptions>(m, "How silhouettes of a session are found.");
+  OptionsClass<SilhouetteOptions>(m, "How silhouettes of a session are computed.");
   Class<SilhouetteExtractor, PySilhouetteExtractor>(m, "SilhouetteExtractor", "Swap point: image -> mask (255 = actor).")
       .def(py::init<>())
       .def_static("create", py::overload_cast<const ChromaKeyOptions &>(&SilhouetteExtractor::create),
@@ -236,12 +238,12 @@ void bind_session(py::module_ &m) {
       .def_static("create", py::overload_cast<const BackgroundOptions &>(&SilhouetteExtractor::create), py::arg("options"),
                   "By the difference to a background.")
       .def("train", &SilhouetteExtractor::train, py::arg("camera"), py::arg("images"), Release(),
-           "Looks at images of one camera before the first mask is made.")
+           "Trains on a few images of one camera; called once per camera, before extract().")
       .def("learn_actor", &SilhouetteExtractor::learn_actor, py::arg("camera"), py::arg("images"), Release(),
-           "Looks at images of the take, after train(): an extractor may learn what the actor looks like.")
+           "Learns the actor's appearance from a few images of the take, after train(); may do nothing.")
       .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release(), "Mask (H, W), 255 = actor.")
       .def("refine", &SilhouetteExtractor::refine, py::arg("camera"), py::arg("image"), py::arg("mask"), Release(),
-           "A ready mask (H, W), its outline brought to where the image has it; by default as it is.");
+           "A ready mask (H, W) with its outline refined to the edge in the image; default: the mask as it is.");
   m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
         "A trained extractor for cameras without ready masks, or whose masks are refined (mask_error); None if no camera needs "
@@ -257,15 +259,17 @@ void bind_session(py::module_ &m) {
       .def_property_readonly(
           "mask", [](const CameraView &view) { return view.mask; }, "(H, W) uint8, 255 = actor; (0, 0) = none");
   m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
-        Release(), "The image, and the ready mask, refined, or, where there is none, the extractor's -> CameraView.");
+        Release(),
+        "The image, and the ready mask as refined by the extractor or, without one, the extractor's mask -> CameraView.");
   Class<FrameViews>(m, "FrameViews", "What all cameras of a session show at a frame.")
       .def_readonly("images", &FrameViews::images, "(H, W, 3) uint8, BGR, or empty; one per camera")
       .def_readonly("masks", &FrameViews::masks, "(H, W) uint8, 255 = actor, or empty; one per camera");
   m.def("read_views", &read_views, py::arg("session"), py::arg("frame"), py::arg("extractor") = nullptr, Release(),
-        "Of every camera, as read_view -> FrameViews.");
-  Class<StartFrame>(m, "StartFrame", "Where a take is most like the scan.")
+        "read_view for every camera -> FrameViews.");
+  Class<StartFrame>(m, "StartFrame", "The frame in which a take is most similar to the scan.")
       .def_readonly("frame", &StartFrame::frame, "of the frame source")
-      .def_readonly("overlap", &StartFrame::overlap, "with the silhouettes there, mean over the cameras")
+      .def_readonly("overlap", &StartFrame::overlap,
+                    "IoU of the silhouettes with those of the scan placed there, mean over the cameras")
       .def_readonly("first_overlap", &StartFrame::first_overlap, "the same in frame 0")
       .def_property_readonly("in_scan_pose", &StartFrame::in_scan_pose, "tracking begins there at once: overlap 0.8")
       .def_property_readonly("near_scan_pose", &StartFrame::near_scan_pose, "near enough to search the pose: overlap 0.4")
@@ -285,38 +289,40 @@ void bind_session(py::module_ &m) {
       },
       py::arg("rig"), py::arg("views"), py::arg("options") = ViewScanOptions{}, py::arg("context") = interruptible_context(),
       py::arg("body") = nullptr, Release(),
-      "Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a "
-      "camera, of one frame; body: a fitted one, from which the surface is no farther than the outlines are.");
-  Class<AlignedScan>(m, "AlignedScan", "A scan in the world of the cameras, and what was found out about it.")
+      "Visual hull of the masks, moved inwards where cameras agree -> Mesh, open where it faces down and no camera sees it. "
+      "views: one CameraView per camera, of one frame; body: a fitted one, from which the surface is no farther than the "
+      "outlines are.");
+  Class<AlignedScan>(m, "AlignedScan", "A scan in the world of the cameras, and what was detected about it.")
       .def_readonly("mesh", &AlignedScan::mesh, "m, +Y up; without floor, specks and surroundings")
       .def_readonly("unit", &AlignedScan::unit, "of the scan: 'm', 'cm', 'mm' or 'inches'")
       .def_readonly("up", &AlignedScan::up, "its axis that points up: '+x' ... '-z'")
-      .def_readonly("floor", &AlignedScan::floor, "the person stood on one")
-      .def_readonly("distance", &AlignedScan::distance, "m to the hull, mean over the nearest four fifths");
+      .def_readonly("floor", &AlignedScan::floor, "it contained a floor, which was removed")
+      .def_readonly("distance", &AlignedScan::distance, "m to the hull, mean over the nearest four fifths of the surface");
   m.def("align_scan", &align_scan, py::arg("scan"), py::arg("hull"), py::arg("context") = interruptible_context(), Release(),
-        "A scan in any unit, upright along any axis, brought to the hull that the cameras see (scan_from_views) -> AlignedScan.");
+        "Aligns a scan, in any unit and with any up axis, to the visual hull of the cameras (scan_from_views) -> AlignedScan.");
   OptionsClass<RestPoseOptions>(m, "Options of refine_rest_pose.");
   m.def("refine_rest_pose", &refine_rest_pose, py::arg("actor"), py::arg("performance"), py::arg("rigid"),
         py::arg("options") = RestPoseOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "(V, 3) m: the actor's vertices in the rest pose, those of the skin (rigid (V): 1) where the frames that are bent least "
-        "have them.");
+        "(V, 3) m: the actor's vertices in the rest pose, with the skin (rigid (V) = 1) moved to its median position in the "
+        "least bent frames.");
 }
 
 void bind_session_check(py::module_ &m) {
-  Class<SessionCheck>(m, "SessionCheck", "What is wrong with a session, and the frame of C cameras that it was looked at in.")
+  Class<SessionCheck>(m, "SessionCheck", "What is wrong with a session, and the frame of C cameras in which it was checked.")
       .def_readonly("findings", &SessionCheck::findings, "Findings, in the order of the checks")
-      .def_readonly("start", &SessionCheck::start, "StartFrame, if the scan does not fit frame 0 as it stands; or None")
+      .def_readonly("start", &SessionCheck::start, "StartFrame if the scan does not fit frame 0 as placed; or None")
       .def_readonly("start_text", &SessionCheck::start_text, "the same in words; may be empty")
-      .def_property_readonly("frame", &SessionCheck::frame, "that was looked at")
-      .def_readonly("rig", &SessionCheck::rig, "(C) the cameras made small")
+      .def_property_readonly("frame", &SessionCheck::frame, "in which the session was checked")
+      .def_readonly("rig", &SessionCheck::rig, "(C) the cameras, resized to at most 500 pixels")
       .def_readonly("silhouettes", &SessionCheck::silhouettes, "(C) masks (h, w), 255 = actor; (0, 0) = none")
       .def_readonly("shadows", &SessionCheck::shadows, "(C) the same of the scan; empty without one")
-      .def_readonly("overlaps", &SessionCheck::overlaps,
-                    "(C, C) IoU of the silhouette of camera i with the shadow in camera j, or NaN; (0, 0) without a scan")
+      .def_readonly(
+          "overlaps", &SessionCheck::overlaps,
+          "(C, C) IoU of the measured silhouette of camera i with the scan's in camera j, or NaN; (0, 0) without a scan")
       .def_readonly("joints", &SessionCheck::joints, "(J, 3) m, placed as the scan is");
   m.def("check_session", &check_session, py::arg("session"), py::arg("frames"), py::arg("extractor").none(true) = nullptr,
         py::arg("context") = interruptible_context(), Release(),
-        "Whether a session can be true: scan, joints, calibration, frame rates and silhouettes against each other -> "
+        "Checks the plausibility of a session: scan, joints, calibration, frame rates and silhouettes against each other -> "
         "SessionCheck.");
 }
 
@@ -325,17 +331,17 @@ void bind_template(py::module_ &m) {
   OptionsClass<HeatWeightOptions>(m, "Options of heat_weights.");
   Class<Template>(m, "Template", "The closed surface of a scan, its two decimations and the invented faces.")
       .def(py::init<>())
-      .def_readwrite("mesh", &Template::mesh, "M, what is tracked and simulated")
+      .def_readwrite("mesh", &Template::mesh, "M, which is tracked and simulated")
       .def_readwrite("high", &Template::high, "M_high, what is displayed")
       .def_readwrite("face_valid", &Template::face_valid, "(F) 0 = suggested as invented over a large hole")
       .def_readwrite("high_face_valid", &Template::high_face_valid, "(FH) the same of M_high");
-  Class<SurfaceQuality>(m, "SurfaceQuality", "What can disappoint about a surface of the template.")
+  Class<SurfaceQuality>(m, "SurfaceQuality", "Quality of a surface of the template.")
       .def_readonly("triangles", &SurfaceQuality::triangles, "of the surface")
       .def_readonly("self_intersections", &SurfaceQuality::self_intersections, "triangles that pass through another one")
       .def_readonly("invalid_area", &SurfaceQuality::invalid_area, "m^2")
       .def_readonly("smallest_angle", &SurfaceQuality::smallest_angle, "degrees, over all triangles")
       .def_readonly("first_centile_angle", &SurfaceQuality::first_centile_angle,
-                    "degrees, 1 % of the triangles have a smaller one")
+                    "degrees, 1 % quantile of the triangles' smallest angles")
       .def_readonly("scan_mean", &SurfaceQuality::scan_mean, "m, distance of the scan's vertices to the surface")
       .def_readonly("scan_max", &SurfaceQuality::scan_max, "m, the largest of them")
       .def_readonly("mean_to_scan", &SurfaceQuality::mean_to_scan, "m, distance of the valid surface to the scan")
@@ -360,14 +366,14 @@ void bind_template(py::module_ &m) {
         ".ply, .obj, .stl or .off: vertices and faces; polygons become fans of triangles. Raises FileNotFoundError, or Error "
         "naming the file.");
   m.def("write_mesh", &write_mesh, py::arg("path"), py::arg("mesh"), Release(),
-        ".ply, .obj, .stl or .off by the extension, complete or not at all.");
+        "Writes .ply, .obj, .stl or .off by the extension atomically.");
 }
 
 void bind_performance(py::module_ &m) {
   OptionsClass<CaptureOptions>(m, "Options of PerformanceCapture.")
       .get()
       .def_readwrite("checkpoint", &CaptureOptions::checkpoint,
-                     "a file that a capture which was stopped goes on from, to the same bits; empty = none");
+                     "file from which an interrupted capture resumes, with the same bits; empty = none");
   Class<LostLimb>(m, "LostLimb", "A limb that the local optimisation had lost.")
       .def(py::init<>())
       .def_readwrite("frame", &LostLimb::frame, "video frame number")
@@ -375,29 +381,29 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("before", &LostLimb::before, "m, error after the local optimisation")
       .def_readwrite("after", &LostLimb::after, "m, error of the pose that was kept")
       .def_readwrite("recovered", &LostLimb::recovered, "was it found again?");
-  Class<JointVisibility>(m, "JointVisibility", "In how many frames a joint's bone was seen, inferred, lost.")
+  Class<JointVisibility>(m, "JointVisibility", "Number of frames in which a joint's bone was seen, inferred, lost.")
       .def(py::init<>())
       .def_readwrite("joint", &JointVisibility::joint, "name of one with degrees of freedom")
       .def_readwrite("seen", &JointVisibility::seen, "enough of it visible that moves with the skeleton")
       .def_readwrite("inferred", &JointVisibility::inferred, "hidden; it follows from the joints before and after it")
       .def_readwrite("lost", &JointVisibility::lost, "its limb was lost and not found again");
-  Class<RefinedCamera>(m, "RefinedCamera", "What a take says about a camera of its calibration.")
+  Class<RefinedCamera>(m, "RefinedCamera", "Refinement of one camera by the take.")
       .def(py::init<>())
       .def_readwrite("camera", &RefinedCamera::camera, "its name")
-      .def_readwrite("seen", &RefinedCamera::seen, "the actor was, in some moment")
-      .def_readwrite("moved", &RefinedCamera::moved, "m, how far the actor appears from where the given camera has it, RMS")
-      .def_readwrite("sure", &RefinedCamera::sure, "m, the standard deviation of that")
+      .def_readwrite("seen", &RefinedCamera::seen, "it shows the actor in some moment")
+      .def_readwrite("moved", &RefinedCamera::moved, "m, RMS shift of the actor's outlines relative to the given camera")
+      .def_readwrite("sure", &RefinedCamera::sure, "m, standard deviation of `moved`")
       .def_readwrite("turned", &RefinedCamera::turned, "degrees")
       .def_readwrite("shifted", &RefinedCamera::shifted, "m, of the centre")
       .def_readwrite("focal", &RefinedCamera::focal, "change as a share")
-      .def_readwrite("late", &RefinedCamera::late, "frames by which it shows things later than the others")
-      .def_readwrite("delay", &RefinedCamera::delay, "whole frames of that which were made good")
-      .def_readwrite("late_sure", &RefinedCamera::late_sure, "frames, standard deviation of that");
-  Class<CaptureSummary>(m, "CaptureSummary", "What can disappoint about a capture.")
+      .def_readwrite("late", &RefinedCamera::late, "frames by which it shows a motion later than the others")
+      .def_readwrite("delay", &RefinedCamera::delay, "whole frames of `late` that were corrected")
+      .def_readwrite("late_sure", &RefinedCamera::late_sure, "frames, standard deviation of `late`");
+  Class<CaptureSummary>(m, "CaptureSummary", "Quality and times of a capture.")
       .def(py::init<>())
       .def_readwrite("rim_px", &CaptureSummary::rim_px, "(T) mean residual of the outlines, pixels")
       .def_readwrite("keypoint_distance", &CaptureSummary::keypoint_distance,
-                     "(T) m, mean of the joints that keypoints show from there; NaN where there are none")
+                     "(T) m, mean distance of joints from their keypoints; NaN where there are none")
       .def_readwrite("sift_px", &CaptureSummary::sift_px, "(T) mean residual of the features, pixels")
       .def_readwrite("silhouette_iou", &CaptureSummary::silhouette_iou, "(T) mean over cameras, against the measured masks")
       .def_numbers_readwrite("views", &CaptureSummary::views, "(T) cameras that took part")
@@ -406,11 +412,11 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("lost_limbs", &CaptureSummary::lost_limbs, "in the order of frames")
       .def_readwrite("start_frame", &CaptureSummary::start_frame, "video frame from which tracking went both ways")
       .def_readwrite("joints", &CaptureSummary::joints, "those with degrees of freedom")
-      .def_readwrite("cameras", &CaptureSummary::cameras, "what the take says about each; none if they were not to be refined")
+      .def_readwrite("cameras", &CaptureSummary::cameras, "RefinedCamera for each; empty if refinement was off")
       .def_readwrite("cameras_refined", &CaptureSummary::cameras_refined,
-                     "the performance is of the refined cameras, those of the observations")
+                     "performance and observations are of the refined cameras")
       .def_readwrite("measure_seconds", &CaptureSummary::measure_seconds, "s: images to outlines, features and their matches")
-      .def_readwrite("map_seconds", &CaptureSummary::map_seconds, "s: features lifted to the surface and found by the map")
+      .def_readwrite("map_seconds", &CaptureSummary::map_seconds, "s: features lifted to the surface and matched with the map")
       .def_readwrite("pose_seconds", &CaptureSummary::pose_seconds, "s: poses")
       .def_readwrite("limb_seconds", &CaptureSummary::limb_seconds, "s: the check of limbs and the search for lost ones")
       .def_readwrite("surface_seconds", &CaptureSummary::surface_seconds, "s: surfaces")
@@ -421,20 +427,20 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("observations", &CaptureResult::observations, "what was measured in the images")
       .def_readwrite("summary", &CaptureResult::summary, "CaptureSummary");
   m.def("filmed", &filmed, py::arg("session"), py::arg("captured"), Release(),
-        "The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.");
-  m.def(
-      "measure_observations", &measure_observations, py::arg("rig"), py::arg("frames"), py::arg("extractor") = nullptr,
-      py::arg("numbers") = std::vector<int>{}, py::arg("tracker") = nullptr, py::arg("options") = FeatureTrackerOptions{},
-      py::arg("context") = interruptible_context(), Release(),
-      "Observations of a take without tracking it, as the capture measures them: outlines of the frames `numbers` (none = all), "
-      "and, with a FeatureTracker, features matched with the frame before. extractor: trained, for frames without a ready mask.");
+        "The session with the cameras that the capture used: the refined ones if there are any, with their delays corrected.");
+  m.def("measure_observations", &measure_observations, py::arg("rig"), py::arg("frames"), py::arg("extractor") = nullptr,
+        py::arg("numbers") = std::vector<int>{}, py::arg("tracker") = nullptr, py::arg("options") = FeatureTrackerOptions{},
+        py::arg("context") = interruptible_context(), Release(),
+        "Observations of a take without tracking it, as the capture measures them: outlines of the frames `numbers` (empty = "
+        "all) and, with a FeatureTracker, feature matches with the previous frame. extractor: trained, for frames without a "
+        "ready mask.");
   Class<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
       .def(py::init<>())
       .def_static(
           "create",
           [](const CaptureOptions &options, const CaptureParts &parts) { return PerformanceCapture::create(options, parts); },
           py::arg("options") = CaptureOptions{}, py::arg("parts") = CaptureParts{},
-          "The built-in capture, with pieces of one's own in `parts`.")
+          "The built-in capture; `parts` replaces parts of it.")
       .def("capture", &PerformanceCapture::capture, py::arg("actor"), py::arg("rig"), py::arg("frames"),
            py::arg("extractor").none(true) = nullptr, py::arg("context") = interruptible_context(), Release(),
            "Tracks all frames. extractor: None if all cameras have masks.");

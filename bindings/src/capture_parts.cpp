@@ -44,7 +44,7 @@ private:
 /// What a problem points to, while it does.
 template <class T> const T &pointed(const T *pointer) {
   if (!pointer)
-    throw std::invalid_argument("a problem lives as long as the call it was given to; copy what is needed later");
+    throw std::invalid_argument("a problem is valid only during the call that receives it; copy what is needed later");
   return *pointer;
 }
 
@@ -85,7 +85,7 @@ Floats2 as_rows(const std::vector<Eigen::Vector2f> &points) {
 
 Features make_features(const Floats2 &points, MatrixRM descriptors) {
   if (points.rows() != descriptors.rows())
-    throw std::invalid_argument("Features: expected one descriptor a point, found " + std::to_string(points.rows()) +
+    throw std::invalid_argument("Features: expected one descriptor per point, found " + std::to_string(points.rows()) +
                                 " points and " + std::to_string(descriptors.rows()) + " descriptors");
   Features features;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
@@ -126,15 +126,15 @@ void bind_problems(py::module_ &m) {
           "barycentric", [](const SurfaceTrack &track) { return track.surface.barycentric; }, "(3) of that face's corners")
       .def_readonly("pixel", &SurfaceTrack::pixel, "(2) where the point is seen")
       .def_readonly("weight", &SurfaceTrack::weight, "against the other tracks");
-  Class<SeenPoint>(m, "SeenPoint", "A point that moves with a joint of the skeleton, and where it was seen.")
+  Class<SeenPoint>(m, "SeenPoint", "A point that moves with a joint of the skeleton, and its observed position.")
       .def_readonly("joint", &SeenPoint::joint, "index of the joint that moves it")
       .def_readonly("rest", &SeenPoint::rest, "(3) m, in the rest pose")
       .def_readonly("seen", &SeenPoint::seen, "(3) m, in the world")
-      .def_readonly("tolerance", &SeenPoint::tolerance, "m; as far from there it may be");
-  Class<ViewTiming>(m, "ViewTiming", "Cameras that film between the frames of the others.")
+      .def_readonly("tolerance", &SeenPoint::tolerance, "m, error of the observation: within this distance there is no residual");
+  Class<ViewTiming>(m, "ViewTiming", "Delays of cameras by fractions of a frame.")
       .def_readonly("late", &ViewTiming::late, "(C) frames by which each shows an earlier moment; (0) = none does")
-      .def_readonly("velocity", &ViewTiming::velocity, "(V, 3) m a frame, of the surface");
-  Class<PoseProblem>(m, "PoseProblem", "What one frame says about the pose. Lives as long as the call it was given to.")
+      .def_readonly("velocity", &ViewTiming::velocity, "(V, 3) m per frame, of the surface");
+  Class<PoseProblem>(m, "PoseProblem", "Observations and prediction of one frame. Valid only during the call that receives it.")
       .def_property_readonly(
           "actor", [](const PoseProblem &p) { return pointed(p.actor); }, "a copy")
       .def_property_readonly(
@@ -143,13 +143,14 @@ void bind_problems(py::module_ &m) {
           "outlines", [](const PoseProblem &p) { return pointed(p.outlines); }, "measured, one per camera; empty = no part")
       .def_readonly("tracks", &PoseProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
       .def_readonly("points", &PoseProblem::points, "SeenPoints: joints that keypoints show")
-      .def_readonly("offset", &PoseProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
+      .def_readonly("offset", &PoseProblem::offset, "(V, 3) m, rest pose, predicted from the previous frame")
       .def_readonly("reliability", &PoseProblem::reliability, "(V) in [0, 1], low on loose cloth")
       .def_readonly("predicted", &PoseProblem::predicted, "(D)")
       .def_readonly("start", &PoseProblem::start, "(D)")
       .def_readonly("first", &PoseProblem::first, "nothing is known yet")
-      .def_readonly("timing", &PoseProblem::timing, "a ViewTiming: cameras that film between the frames of others");
-  Class<SurfaceProblem>(m, "SurfaceProblem", "What one frame says about the surface. Lives as long as the call.")
+      .def_readonly("timing", &PoseProblem::timing, "ViewTiming: delays by fractions of a frame");
+  Class<SurfaceProblem>(m, "SurfaceProblem",
+                        "Observations and prediction of the surface in one frame. Valid only during the call that receives it.")
       .def_property_readonly(
           "actor", [](const SurfaceProblem &p) { return pointed(p.actor); }, "a copy")
       .def_property_readonly(
@@ -157,10 +158,10 @@ void bind_problems(py::module_ &m) {
       .def_property_readonly(
           "outlines", [](const SurfaceProblem &p) { return pointed(p.outlines); }, "measured, one per camera; empty = no part")
       .def_readonly("tracks", &SurfaceProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
-      .def_readonly("base", &SurfaceProblem::base, "(V, 3) m, the surface expected")
+      .def_readonly("base", &SurfaceProblem::base, "(V, 3) m, the predicted surface")
       .def_readonly("skinned", &SurfaceProblem::skinned, "(V, 3) m, posed without any offset")
       .def_readonly("reliability", &SurfaceProblem::reliability, "(V) in [0, 1], low on loose cloth")
-      .def_readonly("timing", &SurfaceProblem::timing, "a ViewTiming: cameras that film between the frames of others");
+      .def_readonly("timing", &SurfaceProblem::timing, "ViewTiming: delays by fractions of a frame");
 }
 
 void bind_pose(py::module_ &m) {
@@ -201,14 +202,14 @@ void bind_limbs(py::module_ &m) {
       .def_numbers("joints", &Limb::joints, "indices, parents first")
       .def_numbers("dofs", &Limb::dofs, "indices");
   m.def("find_limbs", &find_limbs, py::arg("skeleton"), "The limbs of a skeleton by its topology.");
-  Class<LimbProblem>(m, "LimbProblem", "A frame in which limbs were lost. Lives as long as the call it was given to.")
+  Class<LimbProblem>(m, "LimbProblem", "A frame in which limbs were lost. Valid only during the call that receives it.")
       .def_property_readonly(
           "actor", [](const LimbProblem &p) { return pointed(p.actor); }, "a copy")
       .def_property_readonly(
           "rig", [](const LimbProblem &p) { return pointed(p.rig); }, "cameras")
       .def_property_readonly(
           "masks", [](const LimbProblem &p) { return pointed(p.masks); }, "measured, one per camera; empty = no part")
-      .def_readonly("offset", &LimbProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
+      .def_readonly("offset", &LimbProblem::offset, "(V, 3) m, rest pose, predicted from the previous frame")
       .def_readonly("reliability", &LimbProblem::reliability, "(V) in [0, 1], low on loose cloth")
       .def_readonly("predicted", &LimbProblem::predicted, "(D)")
       .def_readonly("points", &LimbProblem::points, "SeenPoints: joints that keypoints show");
@@ -271,7 +272,7 @@ void bind_capture_kits(py::module_ &m) {
         py::arg("lost"), Release(), "The same of a LimbSearch, on a problem, a pose within the limits and limbs that are lost.");
   m.def("performance_capture_violations", &testing::performance_capture_violations, py::arg("capture"), py::arg("actor"),
         py::arg("rig"), py::arg("frames"), py::arg("extractor") = nullptr, Release(),
-        "The same of a PerformanceCapture, on a short film of yours, which it captures twice.");
+        "The same for a PerformanceCapture, on a short video of yours, which it captures twice.");
 }
 
 } // namespace
@@ -283,7 +284,7 @@ void bind_capture_parts(py::module_ &m) {
   bind_limbs(m);
   bind_surface(m);
   OptionsClass<CalibrationRefinementOptions>(m, "Options of the refinement of the cameras.");
-  Class<CaptureParts> parts(m, "CaptureParts", "The pieces of a capture; None = the built-in one, made from the options.");
+  Class<CaptureParts> parts(m, "CaptureParts", "The parts of a capture; None = the built-in one, created from the options.");
   parts.def(py::init([](const py::object &features, const py::object &pose, const py::object &limbs, const py::object &surface) {
               return CaptureParts{kept<FeatureTracker>(features), kept<PoseOptimizer>(pose), kept<LimbSearch>(limbs),
                                   kept<SurfaceRefiner>(surface)};

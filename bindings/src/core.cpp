@@ -105,20 +105,21 @@ void bind_context(py::module_ &m) {
            "progress(stage, fraction in [0, 1]); log(line); threads: 0 = one per core, results do not depend on it.")
       .def_readwrite("threads", &Context::threads, "0 = one per core; results do not depend on it")
       .def("report_progress", &Context::report_progress, py::arg("stage"), py::arg("fraction"), Release(),
-           "Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.")
-      .def("log_line", &Context::log_line, py::arg("line"), Release(), "Hands a line to log.")
+           "Calls progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.")
+      .def("log_line", &Context::log_line, py::arg("line"), Release(), "Passes a line to log.")
       .def("__repr__", [](const Context &context) {
         return context.threads ? "Context(threads=" + std::to_string(context.threads) + ")" : std::string("Context()");
       });
 }
 
 void bind_finding(py::module_ &m) {
-  Class<Finding>(m, "Finding", "What is wrong with a session or a result: impossible stops a run, doubtful is only said.")
+  Class<Finding>(m, "Finding",
+                 "What is wrong with a session or a result: impossible ones stop a run, doubtful ones are only reported.")
       .def(py::init([](bool impossible, std::string text, std::string kind) {
              return Finding{impossible, std::move(text), std::move(kind)};
            }),
            py::arg("impossible"), py::arg("text"), py::arg("kind") = "")
-      .def_readonly("impossible", &Finding::impossible, "nothing should be built on it")
+      .def_readonly("impossible", &Finding::impossible, "the run stops")
       .def_readonly("text", &Finding::text, "one sentence that names expectation and finding")
       .def_readonly("kind", &Finding::kind, "a word for programs; may be empty")
       .def_property_readonly(
@@ -152,7 +153,7 @@ void bind_mesh(py::module_ &m) {
       .def_readwrite("vertices", &Mesh::vertices, "(V, 3) m")
       .def_readwrite("faces", &Mesh::faces, "(F, 3) indices of vertices")
       .def("report", &report_mesh, "What is wrong, or right, with the mesh.");
-  Class<TexturedFaces>(m, "TexturedFaces", "Faces as they are drawn, of the vertices of a surface.")
+  Class<TexturedFaces>(m, "TexturedFaces", "Faces to be drawn, with the vertices of a surface.")
       .def(py::init<>())
       .def(py::init([](Faces faces, decltype(TexturedFaces::texcoords) texcoords) {
              return TexturedFaces{std::move(faces), std::move(texcoords)};
@@ -186,14 +187,14 @@ void bind_mesh(py::module_ &m) {
 void bind_camera(py::module_ &m) {
   Class<Camera>(m, "Camera", "Pinhole camera, OpenCV's conventions: x_cam = R x_world + t.")
       .def(py::init<>())
-      .def_readwrite("name", &Camera::name, "of the camera, as files have it")
+      .def_readwrite("name", &Camera::name, "of the camera, as in files")
       .def_readwrite("K", &Camera::K, "(3, 3) pixels: focal lengths and principal point")
       .def_readwrite("distortion", &Camera::distortion, "k1 k2 p1 p2 k3")
       .def_readwrite("R", &Camera::R, "(3, 3) of cam_from_world")
       .def_readwrite("t", &Camera::t, "(3) m, of cam_from_world")
       .def_readwrite("width", &Camera::width, "of the images, pixels")
       .def_readwrite("height", &Camera::height, "of the images, pixels")
-      .def_property_readonly("centre", &Camera::centre, "(3) m, where the camera stands")
+      .def_property_readonly("centre", &Camera::centre, "(3) m, centre of projection")
       .def("project", &Camera::project, py::arg("point"), "Pixel of a world point.")
       .def("resized", &Camera::resized, py::arg("width"), py::arg("height"), "The same camera for images of another size.");
   m.def(
@@ -212,7 +213,7 @@ void bind_camera(py::module_ &m) {
 }
 
 void bind_skeleton(py::module_ &m) {
-  Class<JointAnnotation>(m, "JointAnnotation", "A joint as the user marks it.")
+  Class<JointAnnotation>(m, "JointAnnotation", "A joint as the user annotates it.")
       .def(py::init([](std::string name, std::string parent, Eigen::Vector3d position, std::optional<int> dof) {
              return JointAnnotation{std::move(name), std::move(parent), position, dof};
            }),
@@ -271,7 +272,7 @@ void bind_skeleton(py::module_ &m) {
         return dual_quaternion_skinning(rest, weights, transforms);
       },
       py::arg("rest"), py::arg("weights"), py::arg("world_from_rest"),
-      "(V, 3) the rest positions (V, 3), carried by transforms (J, 4, 4) with weights (V, J).");
+      "(V, 3) the rest positions (V, 3) m, skinned with transforms (J, 4, 4) and weights (V, J).");
 }
 
 void bind_observations(py::module_ &m) {
@@ -344,7 +345,7 @@ void bind_stage_values(py::module_ &m) {
         return stack(frames);
       },
       py::arg("actor"), py::arg("performance"), py::arg("context") = interruptible_context(),
-      "(T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.");
+      "(T, V, 3) m: the captured frames, transformed back to the scan pose.");
   Class<Segmentation>(m, "Segmentation", "Which vertices are loose cloth (segmentation.npz).")
       .def(py::init<>())
       .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region) {
@@ -355,31 +356,32 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("sigma", &Segmentation::sigma, "(V) m")
       .def_readwrite("clothness", &Segmentation::clothness, "(V) in [0, 1]")
       .def_readwrite("region", &Segmentation::region, "(V), -1 = rigid")
-      .def_readwrite("probability", &Segmentation::probability, "(V) in [0, 1], of being cloth; empty = not told")
-      .def_readwrite("slack", &Segmentation::slack, "(V) m, how far the surface gets from the body; empty = not measured")
-      .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
+      .def_readwrite("probability", &Segmentation::probability, "(V) in [0, 1], of being cloth; empty = not known")
+      .def_readwrite("slack", &Segmentation::slack,
+                     "(V) m, distance that the surface reaches from the body (cloth_slack); empty = not measured")
+      .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that defines lengths and masses; empty = the scan pose")
       .def_readwrite("region_count", &Segmentation::region_count, "cloth regions");
   Class<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
       .def(py::init<>())
       .def_readwrite("mesh", &Garment::mesh, "scan pose, m")
       .def_readwrite("region", &Garment::region, "(G)")
-      .def_readwrite("clothness", &Garment::clothness, "(G) 0 = hangs on the skeleton, 1 = free")
-      .def_readwrite("rest", &Garment::rest, "(G, 3) m, the shape that lengths and masses come from")
+      .def_readwrite("clothness", &Garment::clothness, "(G) 0 = attached to the skeleton, 1 = free")
+      .def_readwrite("rest", &Garment::rest, "(G, 3) m, the shape that defines lengths and masses")
       .def_readwrite("actor_face", &Garment::actor_face, "(G) face of the actor on which the vertex lies")
       .def_readwrite("barycentric", &Garment::barycentric, "(G, 3) of that face's corners")
       .def_readwrite("widths", &Garment::widths,
-                     "[K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone")
-      .def_readwrite("replaced_faces", &Garment::replaced_faces, "(F) faces of the actor that the garment stands for")
+                     "[K] (G, 3) m, rest shapes to choose from, the widest first; empty = only `rest`")
+      .def_readwrite("replaced_faces", &Garment::replaced_faces, "(F) faces of the actor that the garment replaces")
       .def_readwrite("attachment", &Garment::attachment,
                      "(V) of the actor's cloth: 1 = carried by the body, 0 = hangs free; empty = all free")
       .def_readwrite("region_count", &Garment::region_count, "cloth regions");
   m.def("choose_widths", &choose_widths, py::arg("garment"), py::arg("chosen") = std::vector<double>{}, Release(),
-        "The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, "
-        "in its "
-        "`rest`.");
+        "The garment in one width. chosen: for each region a position among `widths`, 0 = the first, 0.5 = halfway to the "
+        "second; empty = its `rest`.");
   m.def("common_widths", &common_widths, py::arg("garments"), py::arg("count"), Release(),
-        "[garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.");
-  m.def("width_variants", &width_variants, py::arg("garment"), Release(), "The garment in each of the widths that it offers.");
+        "[garments][count] positions among the widths at which several meshes of one garment have the same rest area, the widest "
+        "first.");
+  m.def("width_variants", &width_variants, py::arg("garment"), Release(), "The garment in each of its widths.");
   Class<DressedActor>(m, "DressedActor", "The actor in a garment of its own mesh.")
       .def_readwrite("actor", &DressedActor::actor, "V + G vertices: the actor's, then the garment's")
       .def_readwrite("segmentation", &DressedActor::segmentation, "of the V + G vertices");

@@ -67,21 +67,21 @@ void bind_optimizers(py::module_ &m) {
       .def_readwrite("answer", &OptimizerResult::answer,
                      "(n) what the method returns: CMA-ES the mean of its distribution, annealing the best sample")
       .def_readwrite("best", &OptimizerResult::best, "(n) best sample so far")
-      .def_readwrite("best_energy", &OptimizerResult::best_energy, "its energy; means nothing while evaluations is 0")
+      .def_readwrite("best_energy", &OptimizerResult::best_energy, "its energy; meaningless while evaluations is 0")
       .def_readwrite("deviations", &OptimizerResult::deviations, "(n) standard deviation of the search along each axis")
-      .def_readwrite("evaluations", &OptimizerResult::evaluations, "samples told so far")
-      .def_readwrite("generations", &OptimizerResult::generations, "told so far")
+      .def_readwrite("evaluations", &OptimizerResult::evaluations, "evaluated samples so far")
+      .def_readwrite("generations", &OptimizerResult::generations, "generations so far")
       .def_readwrite("stop_reason", &OptimizerResult::stop_reason, "empty while it runs");
   Class<Optimizer, PyOptimizer>(m, "Optimizer", "Swap point: ask() a generation, tell() its energies. Box [0, 1]^n.")
       .def(py::init<>())
       .def("ask", &Optimizer::ask, Release(), "(S, n) the next generation.")
       .def("tell", &Optimizer::tell, py::arg("samples"), py::arg("energies"), Release(),
-           "samples (S, n) as asked, energies (S); lower is better.")
+           "samples (S, n) from ask(), energies (S); lower is better.")
       .def("stop", &Optimizer::stop, Release(), "Is the search over?")
       .def("result", &Optimizer::result, Release(), "Where the search stands.")
       .def("save", &Optimizer::save, Release(), "The exact state as text; empty = cannot be saved.")
       .def("restore", &Optimizer::restore, py::arg("state"), Release(),
-           "Goes on where the saved optimiser stood, to the same bits.");
+           "Continues as the saved optimiser would have, with the same bits.");
   OptionsClass<CmaEsOptions>(m, "Options of create_cma_es.");
   OptionsClass<AnnealingOptions>(m, "Options of create_simulated_annealing.");
   OptionsClass<BayesianOptions>(m, "Options of create_bayesian.")
@@ -102,41 +102,41 @@ void bind_minimise(py::module_ &m) {
       .def_readonly("evaluations", &GenerationRow::evaluations, "so far")
       .def_readonly("best", &GenerationRow::best, "lowest energy so far")
       .def_readonly("generation_best", &GenerationRow::generation_best, "lowest energy of this generation")
-      .def_readonly("mean", &GenerationRow::mean, "(n) the optimiser's answer so far, in [0, 1]")
+      .def_readonly("mean", &GenerationRow::mean, "(n) the optimiser's current answer, in [0, 1]")
       .def_readonly("deviation", &GenerationRow::deviation, "(n) standard deviation of the search along each axis")
-      .def_readonly("seconds", &GenerationRow::seconds, "s since the start, earlier runs of a resumed one included");
-  Class<MinimiseResult>(m, "MinimiseResult", "Where all optimisers ended, and the way there.")
+      .def_readonly("seconds", &GenerationRow::seconds, "s since the start, including the time before a resume");
+  Class<MinimiseResult>(m, "MinimiseResult", "Results of all optimisers, with all samples.")
       .def_readonly("parts", &MinimiseResult::parts, "OptimizerResult of each part")
-      .def_readonly("penalties", &MinimiseResult::penalties, "(parts) added for each unit of squared distance from the box")
+      .def_readonly("penalties", &MinimiseResult::penalties, "(parts) penalty per unit of squared distance from the box")
       .def_readonly("log", &MinimiseResult::log, "GenerationRows")
-      .def_readonly("seconds", &MinimiseResult::seconds, "s, earlier runs of a resumed one included");
+      .def_readonly("seconds", &MinimiseResult::seconds, "s, including the time before a resume");
   Class<Objective, PyObjective>(m, "Objective", "Swap point: energies of a whole generation in one call.")
       .def(py::init<>())
       .def("parameter_count", &Objective::parameter_count, "n, of one part.")
-      .def("part_count", &Objective::part_count, "Independent parts, each with n parameters and an energy of its own.")
+      .def("part_count", &Objective::part_count, "Number of independent parts, each with n parameters and its own energy.")
       .def("evaluate", &Objective::evaluate, py::arg("samples"), py::arg("context") = interruptible_context(), Release(),
            "samples (S, parts * n) in [0, 1] -> energies (S, parts)");
   OptionsClass<MinimiseOptions>(m, "Options of minimise.")
       .get()
       .def_readwrite("checkpoint", &MinimiseOptions::checkpoint,
                      "written after every generation, read at the start if it is there; empty = none")
-      .def_readwrite("problem", &MinimiseOptions::problem, "what the checkpoint belongs to; that of another is not used")
+      .def_readwrite("problem", &MinimiseOptions::problem,
+                     "name of the problem that the checkpoint belongs to; one of another problem is ignored")
       .def_readwrite("on_generation", &MinimiseOptions::on_generation, "called with the MinimiseResult so far")
       .def_property(
           "make_optimizer", [](const MinimiseOptions &) { return OptimizerMaker(py::none()); },
           [](MinimiseOptions &options, const OptimizerMaker &make) { options.make_optimizer = optimizer_factory(make); },
           "make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.");
-  m.def(
-      "minimise", &minimise, py::arg("objective"), py::arg("options") = MinimiseOptions{},
-      py::arg("context") = interruptible_context(), Release(),
-      "Runs one optimiser a part of the objective until all stop. Goes on from options.checkpoint if it is there and belongs to "
-      "options.problem; raises Error if it is damaged.");
+  m.def("minimise", &minimise, py::arg("objective"), py::arg("options") = MinimiseOptions{},
+        py::arg("context") = interruptible_context(), Release(),
+        "Runs one optimiser per part of the objective until all stop. Resumes from options.checkpoint if it exists and belongs "
+        "to options.problem; raises Error if it is damaged.");
 }
 
 void bind_conformance(py::module_ &m) {
   m.def("objective_violations", &testing::objective_violations, py::arg("objective"), Release(),
-        "One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, "
-        "refusals.");
+        "One sentence for each rule that an Objective breaks: shapes, finite energies, the same in every call and whatever the "
+        "other samples, refusals.");
   m.def(
       "optimizer_violations",
       [](const OptimizerMaker &make_optimizer) {
@@ -146,11 +146,11 @@ void bind_conformance(py::module_ &m) {
       },
       py::arg("make_optimizer"),
       "One sentence for each rule that the optimisers of make_optimizer(dimension, seed) break: shapes, seeds, a paraboloid is "
-      "brought down, refusals.");
+      "minimised, refusals.");
 }
 
 void bind_posterior(py::module_ &m) {
-  Class<Posterior>(m, "Posterior", "How likely every answer is: draws from a Gibbs posterior.")
+  Class<Posterior>(m, "Posterior", "Posterior over the answer: draws from a Gibbs posterior.")
       .def_readonly("draws", &Posterior::draws, "(D, n) box units")
       .def_readonly("interval", &Posterior::interval, "(n, 2) the shortest interval with 90 % of the draws, box units")
       .def_readonly("correlation", &Posterior::correlation, "(n, n) of the draws");
@@ -161,7 +161,7 @@ void bind_posterior(py::module_ &m) {
       },
       py::arg("samples"), py::arg("energies"), py::arg("noise") = 0.0, py::arg("levels") = 0, py::arg("draws") = 256,
       py::arg("seed") = 1, Release(),
-      "samples (N, n) in [0, 1], energies (N) -> Posterior of where their minimum is. noise: standard deviation of an energy.");
+      "samples (N, n) in [0, 1], energies (N) -> Posterior of the minimum's position. noise: standard deviation of an energy.");
 }
 
 /// One dict a region of arrays (T), from [R][T].
@@ -229,23 +229,23 @@ void bind_energy(py::module_ &m) {
             return terms_without_gil([&] { return objective.terms(materials); });
           },
           py::arg("materials"),
-          "One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature, contour and surface "
-          "(E_sil, E_sift, E_con and E_surf, pixels^2), rims, features, points and probes (how many)")
+          "One rollout with one material per region -> one dict per region with arrays (T): silhouette, feature, contour and "
+          "surface (E_sil, E_sift, E_con and E_surf, pixels^2), and the counts rims, features, points and probes")
       .def(
           "surface_terms",
           [](const MaterialObjective &objective, const std::vector<Vertices> &surfaces) {
             return terms_without_gil([&] { return objective.surface_terms(surfaces); });
           },
-          py::arg("surfaces"), "The same of surfaces (T, V, 3) that were not simulated, e.g. the captured ones")
+          py::arg("surfaces"), "The same for given surfaces (T, V, 3), e.g. the captured ones")
       .def("surface_energy", &MaterialObjective::surface_energy, py::arg("surfaces"), Release(),
-           "(regions) E_fit of such surfaces, pixels^2")
-      .def_property_readonly("worst_energy", &MaterialObjective::worst_energy, "pixels^2: no sample costs more")
+           "(regions) E_fit of given surfaces, pixels^2")
+      .def_property_readonly("worst_energy", &MaterialObjective::worst_energy, "upper bound of E_fit, pixels^2")
       .def_property_readonly("fingerprint", &MaterialObjective::fingerprint, "hash of everything the energy depends on")
       .def_property_readonly("space", &MaterialObjective::space, "ParameterSpace: which parameters are searched");
 }
 
 void bind_findings(py::module_ &m) {
-  Class<FitFinding>(m, "FitFinding", "What is doubtful about a parameter of an answer.")
+  Class<FitFinding>(m, "FitFinding", "A doubt about a parameter of an answer.")
       .def(py::init([](const std::string &kind, const std::string &parameter, double value, double low, double high) {
              if (!std::isfinite(value) || !std::isfinite(low) || !std::isfinite(high))
                throw std::invalid_argument("FitFinding: expected finite numbers, found NaN or infinity");
@@ -257,7 +257,7 @@ void bind_findings(py::module_ &m) {
           "'lower_bound', 'upper_bound', 'guess' or 'seeds'")
       .def_readonly("parameter", &FitFinding::parameter, "its name")
       .def_readonly("value", &FitFinding::value, "the answer")
-      .def_readonly("low", &FitFinding::low, "bounds: of the box; a guess: of its 90 % interval; seeds: of the answers")
+      .def_readonly("low", &FitFinding::low, "bounds: of the box; guess: of its 90 % interval; seeds: of the answers")
       .def_readonly("high", &FitFinding::high, "upper bound, as `low`")
       .def("text", &FitFinding::text, "One sentence.");
 }
@@ -275,12 +275,12 @@ struct PyTake {
 
 void bind_results(py::module_ &m) {
   constexpr auto kCopy = py::return_value_policy::copy; // they outlive forget()
-  Class<Results>(m, "Results", "What the stages have written into a folder, read when it is asked for.")
+  Class<Results>(m, "Results", "The results of the stages in a folder, read on demand.")
       .def(py::init<Path>(), py::arg("out"))
       .def("path", &Results::path, py::arg("file"), "of a file of the folder")
-      .def("forget", &Results::forget, "After files were written: what was read before is read again.")
+      .def("forget", &Results::forget, "Clears the cache; call it after files were written.")
       .def("set_widths", &Results::set_widths, py::arg("positions"),
-           "The garment at these positions among its widths, until forget(), whatever material.json says.")
+           "Sets the garment's widths to these positions until forget(), overriding material.json.")
       .def_property_readonly("actor", &Results::actor, kCopy, "RiggedMesh")
       .def("performance", &Results::performance, "ReferencePerformance of the actor.")
       .def("observations", &Results::observations, "Observations of the film.")
@@ -288,11 +288,12 @@ void bind_results(py::module_ &m) {
       .def("body", &Results::body, "BodyFit under the clothes.")
       .def("proxies", &Results::proxies, "TaperedCapsules of the body.")
       .def_property_readonly("offered_garment", &Results::offered_garment, kCopy,
-                             "Garment as the mesher made it, in several widths to choose from")
+                             "Garment from the mesher, with all widths to choose from")
       .def_property_readonly("garment", &Results::garment, kCopy,
                              "Garment in the width that was estimated with the material, or else in the middle one")
       .def_property_readonly("dressed", &Results::dressed, kCopy, "DressedActor, which is simulated: the actor in `garment`")
-      .def("dressed_performance", &Results::dressed_performance, "ReferencePerformance of the dressed actor, whatever the width.")
+      .def("dressed_performance", &Results::dressed_performance,
+           "ReferencePerformance of the dressed actor, the same for all widths.")
       .def("simulator", &Results::simulator, py::arg("cloth") = pbd::ClothOptions{}, "CharacterSimulator of `dressed`.")
       .def(
           "take",
@@ -304,7 +305,7 @@ void bind_results(py::module_ &m) {
             return PyTake{widths, py::cast(std::move(film.performance)), py::cast(std::move(film.observations)), film.dt};
           },
           py::arg("solver"), py::arg("garments") = std::vector<Garment>{},
-          "The Take that the material is estimated from, in each of these widths; none = in all that the garment offers.");
+          "The Take for the material estimation, in each of these widths; empty = all widths of the garment.");
 }
 
 py::dict result_dict(const FitResult &result) {
@@ -351,13 +352,16 @@ void bind_fit(py::module_ &m) {
   OptionsClass<FitOptions>(m, "Options of estimate_material.")
       .get()
       .def_readwrite("on_generation", &FitOptions::on_generation, "called with the FitResult so far, after every generation")
-      .def_readwrite("checkpoint", &FitOptions::checkpoint, "a killed run goes on from it, to the same bits; empty = none")
+      .def_readwrite("checkpoint", &FitOptions::checkpoint,
+                     "file from which an interrupted run resumes, with the same bits; empty = none")
       .def_readwrite("log", &FitOptions::log, "fit_log.csv, rewritten after every generation; empty = none")
       .def_property(
           "make_optimizer", [](const FitOptions &) { return OptimizerMaker(py::none()); },
           [](FitOptions &options, const OptimizerMaker &make) { options.make_optimizer = optimizer_factory(make); },
           "make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.");
-  Class<PyTake>(m, "Take", "One film of a character: simulators (one a width of its garment), what was captured and seen.")
+  Class<PyTake>(
+      m, "Take",
+      "One captured performance of a character: simulators (one per width of its garment), performance and observations.")
       .def(py::init([](const py::list &widths, const py::object &performance, const py::object &observations, double dt) {
              PyTake take{widths, performance, observations, dt};
              take.take(); // wrong types are found now
@@ -369,11 +373,12 @@ void bind_fit(py::module_ &m) {
       .def_property_readonly("chosen_widths", &FitResult::chosen_widths,
                              "position of the garment's width, one per region; may be empty")
       .def("at_positions", &FitResult::at_positions, py::arg("positions"),
-           "The same for a garment whose positions the widths of a take were (see common_widths).")
+           "The same result for a take whose garment was simulated at these positions among its widths (see common_widths).")
       .def_readonly("log", &FitResult::log, "GenerationRows; part = region")
-      .def_readonly("solver", &FitResult::solver, "SolverSettings, without which the materials mean nothing")
-      .def_readonly("seconds", &FitResult::seconds, "s, earlier runs of a resumed one included")
-      .def_readonly("interrupted", &FitResult::interrupted, "the search was not over: the materials are the best samples so far")
+      .def_readonly("solver", &FitResult::solver, "SolverSettings for which the materials are valid")
+      .def_readonly("seconds", &FitResult::seconds, "s, including the time before a resume")
+      .def_readonly("interrupted", &FitResult::interrupted,
+                    "the search was not finished: the materials are the best samples so far")
       .def("to_dict", &result_dict, "Everything as plain values.");
   m.def(
       "estimate_material",
@@ -385,18 +390,18 @@ void bind_fit(py::module_ &m) {
         return estimate_material(all, options, context);
       },
       py::arg("takes"), py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(),
-      "The material, and the width of the garment, under which several takes are explained together -> FitResult.");
+      "The material, and the width of the garment, that best explain several takes together -> FitResult.");
   m.def("estimate_material",
         py::overload_cast<const CharacterSimulator &, const ReferencePerformance &, const Observations &, double,
                           const FitOptions &, const Context &>(&estimate_material),
         py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("dt"), py::arg("options") = FitOptions{},
         py::arg("context") = interruptible_context(), Release(),
-        "Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes "
-        "on from options.checkpoint if that is there.");
+        "Searches for the material of every cloth region with which the simulated character looks as in the video -> FitResult. "
+        "Resumes from options.checkpoint if it exists.");
   bind_results(m);
   m.def("material_energy", &material_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("dt"),
         py::arg("materials"), py::arg("options") = EnergyOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "One E_fit a region, pixels^2, of one material a region.");
+        "(regions) E_fit, pixels^2, of one material per region.");
   m.def(
       "simulate_reference",
       [](const CharacterSimulator &simulator, const ReferencePerformance &performance,
@@ -409,7 +414,7 @@ void bind_fit(py::module_ &m) {
         return stack(frames);
       },
       py::arg("simulator"), py::arg("performance"), py::arg("materials"), py::arg("dt"), py::arg("settle_frames") = 20,
-      py::arg("context") = interruptible_context(), "(T, V, 3) the reference motion re-animated");
+      py::arg("context") = interruptible_context(), "(T, V, 3) m, the reference motion simulated with these materials");
   m.def(
       "write_simulated",
       [](const Path &path, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames, int actor_vertices) {
@@ -422,14 +427,12 @@ void bind_fit(py::module_ &m) {
   m.def(
       "read_simulated", [](const Path &path) { return stack(read_simulated(path)); }, py::arg("path"),
       "simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.");
-  m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release(),
-        "material.json, complete or not at all.");
+  m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release(), "Writes material.json atomically.");
   m.def("read_widths", &read_widths, py::arg("path"), Release(),
         "material.json: position of the garment's width, one per region; empty if it names none.");
-  m.def(
-      "read_materials", &read_materials, py::arg("path"), py::arg("solver") = std::nullopt, Release(),
-      "material.json: one Material a region. Raises FileNotFoundError, or Error naming file and parameter, or the setting of the "
-      "solver that is another than the file's.");
+  m.def("read_materials", &read_materials, py::arg("path"), py::arg("solver") = std::nullopt, Release(),
+        "material.json: one Material per region. Raises FileNotFoundError, or Error naming file and parameter, or the solver "
+        "setting that differs from the file's.");
 }
 
 } // namespace doublet::python

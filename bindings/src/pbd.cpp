@@ -97,11 +97,12 @@ void bind_material(py::module_ &m) {
           },
           "Name -> (lower, upper) of every parameter.");
   m.def("spring_constant", &pbd::spring_constant, py::arg("k"), py::arg("response"),
-        "What k_stretch (N/m) or k_bend (N m) is under 'compliance': k / ((1 - k) (1/40 s)^2 response); infinite for k = 1. "
-        "response: the sum of |grad C|^2 / mass over the vertices of a constraint C: of an edge 1 / m_a + 1 / m_b, 1/kg; of a "
-        "hinge, whose C is its angle, 1/(kg m^2). The masses of a ClothModel are areas, m^2: times kg/m^2 they are masses.");
+        "The physical spring constant of k_stretch (N/m) or k_bend (N m) with 'compliance': k / ((1 - k) (1/40 s)^2 response); "
+        "infinite for k = 1. response: the sum of |grad C|^2 / mass over the vertices of a constraint C: for an edge 1 / m_a + 1 "
+        "/ m_b, 1/kg; for a hinge, whose C is its angle, in 1/(kg m^2). The masses of a ClothModel are areas, m^2: multiply them "
+        "by the areal density, kg/m^2.");
   m.def("stiffness_of_spring", &pbd::stiffness_of_spring, py::arg("constant"), py::arg("response"),
-        "The k that has this spring constant.");
+        "The inverse of spring_constant(): the stiffness k.");
 }
 
 /// Never in another size: NumPy may hold a view of the old values.
@@ -133,8 +134,8 @@ void bind_state(py::module_ &m) {
           [](ClothState &state, const Vertices &velocities) { replace(state.velocities, velocities, "velocities"); },
           "(N, 3) m/s")
       .def(
-          "copy", [](const ClothState &state) { return state; }, "A state of its own.");
-  Class<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
+          "copy", [](const ClothState &state) { return state; }, "An independent copy.");
+  Class<OwnedInputs>(m, "StepInputs", "Inputs of one frame.")
       .def(py::init([](Vertices targets, Vertices previous_targets, std::vector<Capsule> capsules,
                        std::vector<Capsule> previous_capsules, double dt, const Eigen::Vector3d &wind,
                        const std::optional<Eigen::Vector3d> &gravity, int substeps) {
@@ -169,13 +170,14 @@ void bind_pbd(py::module_ &m) {
   bind_material(m);
   bind_state(m);
   OptionsClass<ClothOptions>(m, "Settings of the cloth solver.");
-  Class<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel", "What a piece of cloth is: arrays that cannot be written to.")
+  Class<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel",
+                                                 "The immutable data of a piece of cloth; its arrays are read-only.")
       .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options) {
              return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options));
            }),
            py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{}, Release())
       .def_property_readonly("vertex_count", &ClothModel::vertex_count, "N")
-      .def_property_readonly("rest", &ClothModel::rest, "(N, 3) m: rest lengths and angles come from here")
+      .def_property_readonly("rest", &ClothModel::rest, "(N, 3) m: defines rest lengths and angles")
       .def_property_readonly("faces", &ClothModel::faces, "(F, 3)")
       .def_property_readonly("clothness", &ClothModel::clothness, "(N) in [0, 1]: 0 = follows its target, 1 = free")
       .def_property_readonly(
@@ -184,8 +186,8 @@ void bind_pbd(py::module_ &m) {
   Class<ClothSolver, PyClothSolver, std::shared_ptr<ClothSolver>>(
       m, "ClothSolver",
       "Advances simulations of one model by a frame. To replace it, define advance(states, inputs, materials, threads) in a "
-      "subclass: one of each for every simulation, checked; it changes the states in place, and may return the indices of those "
-      "that came out not finite. What is not finite is left as it was.")
+      "subclass: it gets one of each per simulation, checked, changes the states in place, and may return the indices of those "
+      "that are not finite after the step. Their states are restored.")
       .def(py::init_alias<std::shared_ptr<ClothModel>>(), py::arg("model"))
       .def_static(
           "create",
@@ -199,20 +201,19 @@ void bind_pbd(py::module_ &m) {
             throw std::logic_error("ClothSolver.advance is for subclasses to define; call step_batch");
           },
           py::arg("states"), py::arg("inputs"), py::arg("materials"), py::arg("threads"),
-          "For subclasses to define, and for step_batch to call: changes the states in place; returns the indices of those that "
-          "came out not finite, or None.")
+          "Defined by subclasses and called by step_batch: changes the states in place; returns the indices of those that are "
+          "not finite after the step, or None.")
       .def(
           "step",
           [](const ClothSolver &solver, ClothState &state, const OwnedInputs &inputs, const Material &material) {
             solver.step(state, inputs.view(), material);
           },
           py::arg("state"), py::arg("inputs"), py::arg("material"), Release(), "Advances the state by one frame.")
-      .def(
-          "step_batch", &step_batch, py::arg("states"), py::arg("inputs"), py::arg("materials"), py::arg("threads") = 1,
-          Release(),
-          "step() for several simulations side by side in the lanes of a register, with the same bits: states[i] with inputs[i], "
-          "or inputs[0] if there is but one, and materials[i]. Returns the indices of those that came out not finite and were "
-          "left as they were.");
+      .def("step_batch", &step_batch, py::arg("states"), py::arg("inputs"), py::arg("materials"), py::arg("threads") = 1,
+           Release(),
+           "step() for several simulations side by side in the lanes of SIMD registers, with the same bits: states[i] with "
+           "inputs[i], or inputs[0] if there is only one, and materials[i]. Returns the indices of simulations that are not "
+           "finite after the step; their states are unchanged.");
   m.def(
       "cloth_solver_violations",
       [](const SolverMaker &make_solver) {
@@ -221,10 +222,9 @@ void bind_pbd(py::module_ &m) {
         return testing::cloth_solver_violations(make);
       },
       py::arg("make_solver"),
-      "One sentence for each rule that the solvers of make_solver(model) break; of None, ours: the rest state rests, cloth "
-      "falls, "
-      "pinned vertices obey, a copied state replays, company and threads change nothing, the corners of the material box stay "
-      "finite, wrong input is refused.");
+      "One sentence for each rule that the solvers of make_solver(model) (None = ours) break: the rest state rests, cloth falls, "
+      "pinned vertices obey, a copied state replays, other simulations and threads change nothing, the corners of the material "
+      "box stay finite, wrong input is refused.");
 }
 
 pbd::ClothSolverFactory solver_factory(const py::object &make) {

@@ -65,25 +65,26 @@ template <class Visit> void visit_group(ReconstructionOptions &options, const st
 
 void bind_checks(py::module_ &m) {
   py::register_exception<Implausible>(m, "Implausible", m.attr("Error"));
-  Class<Limit>(m, "Limit", "Of a number in a stage's summary; too low if `impossible` is below `doubtful`, otherwise too high.")
+  Class<Limit>(m, "Limit",
+               "Limits of a number in a stage's summary: lower ones if `impossible` is below `doubtful`, otherwise upper ones.")
       .def_property_readonly(
           "stage", [](const Limit &limit) { return limit.stage; }, "whose summary")
       .def_property_readonly(
           "number", [](const Limit &limit) { return limit.number; }, "name in the summary")
       .def_readonly("doubtful", &Limit::doubtful, "beyond it the number is doubtful")
-      .def_readonly("impossible", &Limit::impossible, "beyond it nothing should be built on it")
+      .def_readonly("impossible", &Limit::impossible, "beyond it the number is impossible")
       .def("check", &Limit::check, py::arg("value"), "The Finding; None if the number is as it should be.")
-      .def("passed", &Limit::passed, py::arg("value"), "That the number is as it should be, in words; empty if it is not.");
+      .def("passed", &Limit::passed, py::arg("value"), "A sentence if the number is within the limits; otherwise empty.");
   m.def(
       "quality_limits", [] { return std::vector<Limit>(quality_limits().begin(), quality_limits().end()); },
       "Limits of the numbers of all stages.");
   m.def(
       "quality_findings",
       [](const std::string &stage, const py::dict &summary) { return quality_findings(stage, to_json(summary)); },
-      py::arg("stage"), py::arg("summary"), "What is implausible in the summary of a stage that is done.");
+      py::arg("stage"), py::arg("summary"), "The Findings about a finished stage, from its summary.");
   m.def(
       "findings_to_json", [](const std::vector<Finding> &findings) { return from_json(findings_to_json(findings)); },
-      py::arg("findings"), "What a stage found, as 'findings' of its summary: a list of dicts.");
+      py::arg("findings"), "The value of 'findings' in the summary of a stage: a list of dicts.");
 }
 
 void bind_corrections(py::module_ &m) {
@@ -97,23 +98,22 @@ void bind_corrections(py::module_ &m) {
         "(V) int32 in -1 to 2, None if nothing was painted.");
   m.def("write_segmentation_paint", &write_segmentation_paint, py::arg("out"), py::arg("painted"), py::arg("vertices"),
         "Writes what was painted, -1 (as found), 0 (skin), 1 (cloth) or 2 (border) for each vertex.");
-  m.def("read_found_segmentation", &read_found_segmentation, py::arg("out"),
-        "The segmentation as it was before anything was painted.");
+  m.def("read_found_segmentation", &read_found_segmentation, py::arg("out"), "The segmentation without corrections.");
 }
 
 void bind_record(py::module_ &m) {
-  Class<RunRecord>(m, "RunRecord", "run.json: what was run, on what, with which options, how long it took.")
+  Class<RunRecord>(m, "RunRecord", "run.json: stages that were run, their inputs, options and durations.")
       .def(py::init<Path>(), py::arg("out"))
       .def_property_readonly("path", &RunRecord::path, "of run.json")
       .def_property_readonly(
-          "data", [](const RunRecord &record) { return from_json(record.json()); }, "all of it, as plain values")
-      .def("hash", &RunRecord::hash, py::arg("path"), "SHA-256 of a file, or of all that is in a folder.")
+          "data", [](const RunRecord &record) { return from_json(record.json()); }, "the whole record, as plain values")
+      .def("hash", &RunRecord::hash, py::arg("path"), "SHA-256 of a file, or of all files in a folder.")
       .def(
           "summary", [](const RunRecord &record, const std::string &stage) { return from_json(record.summary(stage)); },
           py::arg("stage"), "The numbers of a stage; empty if it did not run.")
       .def("is_done", &RunRecord::is_done, py::arg("stage"), "Did it run to its end?")
       .def("foreign_outputs", &RunRecord::foreign_outputs, py::arg("stage"), py::arg("outputs"),
-           "Outputs that exist but are not what this program last wrote.")
+           "Outputs that exist but were not last written by this program.")
       .def(
           "reason_to_run",
           [](const RunRecord &record, const std::string &stage, const std::map<std::string, std::string> &inputs,
@@ -121,7 +121,7 @@ void bind_record(py::module_ &m) {
             return record.reason_to_run(stage, {inputs, to_json(options)}, outputs);
           },
           py::arg("stage"), py::arg("inputs"), py::arg("options"), py::arg("outputs"),
-          "Why the stage must run, in words; empty if it is up to date.")
+          "Why the stage must run, as text; empty if it is up to date.")
       .def(
           "begin",
           [](RunRecord &record, const std::string &stage, const std::map<std::string, std::string> &inputs,
@@ -146,7 +146,7 @@ void bind_options(py::module_ &m) {
       "Every option of a reconstruction: options[group], of the names in `groups`, and a few of all.");
   bound.attr("groups") = py::tuple(py::cast(names));
   bound.def_static("is_derived", &is_derived_option, py::arg("group"), py::arg("name"),
-                   "Is an option of a group set by the session or by `seed`, not by itself?");
+                   "True if the session or `seed` sets an option of a group.");
   bound.def(py::init<>())
       .def(
           "__getitem__",
@@ -156,13 +156,13 @@ void bind_options(py::module_ &m) {
                         [&](auto &values) { found = py::cast(&values, py::return_value_policy::reference_internal, self); });
             return found;
           },
-          py::arg("group"), "The options object itself: what is set in it counts.")
+          py::arg("group"), "The options object itself, not a copy.")
       .def(
           "__setitem__",
           [](ReconstructionOptions &options, const std::string &group, const py::object &chosen) {
             visit_group(options, group, [&](auto &values) { values = chosen.cast<std::remove_cvref_t<decltype(values)>>(); });
           },
-          py::arg("group"), py::arg("options"), "With the groups that are part of it.")
+          py::arg("group"), py::arg("options"), "With its nested groups.")
       .def_readwrite("body_model", &ReconstructionOptions::body_model, "file of the statistical body")
       .def_readwrite("seed", &ReconstructionOptions::seed, "of every random choice")
       .def_readwrite("fps", &ReconstructionOptions::fps, "of the videos; 0 = as the session says")
@@ -171,7 +171,7 @@ void bind_options(py::module_ &m) {
 }
 
 void bind_stage(py::module_ &m) {
-  Class<Stage>(m, "Stage", "What reads and writes files of a reconstruction's folder.")
+  Class<Stage>(m, "Stage", "A stage: it reads and writes files in the folder of a reconstruction.")
       .def(py::init([](std::string name, const py::function &run, std::vector<std::string> reads, std::vector<std::string> writes,
                        std::vector<std::string> may_read, std::vector<std::string> option_groups,
                        std::vector<std::string> session_inputs, bool needs_scan, const std::optional<std::string> &runner) {
@@ -192,12 +192,12 @@ void bind_stage(py::module_ &m) {
       .def_readonly("name", &Stage::name, "of the stage")
       .def_readonly("reads", &Stage::reads, "files of the folder")
       .def_readonly("writes", &Stage::writes, "files of the folder")
-      .def_readonly("may_read", &Stage::may_read, "files of the folder that count as inputs if they are there")
-      .def_readonly("continues_from", &Stage::continues_from, "files of it that a stage that was stopped goes on from")
-      .def_readonly("option_groups", &Stage::option_groups, "that its results depend on")
+      .def_readonly("may_read", &Stage::may_read, "optional inputs: files of the folder that are read if they exist")
+      .def_readonly("continues_from", &Stage::continues_from, "files of the folder from which an interrupted stage resumes")
+      .def_readonly("option_groups", &Stage::option_groups, "groups that its results depend on")
       .def_readonly("session_inputs", &Stage::session_inputs,
                     "description, name, scan_from_views, scan, calibration, joints, keypoints, images")
-      .def_readonly("runner", &Stage::runner, "whose work it is; empty = doublet's")
+      .def_readonly("runner", &Stage::runner, "name of the implementation; empty = doublet's")
       .def(
           "run",
           [](const Stage &stage, Reconstruction &reconstruction) {
@@ -208,7 +208,7 @@ void bind_stage(py::module_ &m) {
             }
             return from_json(summary);
           },
-          py::arg("reconstruction"), "Does the work, whatever is up to date -> the numbers worth recording.");
+          py::arg("reconstruction"), "Does the work, even if the stage is up to date -> its summary.");
   m.def("default_stages", &default_stages, "The stages of a reconstruction, in their order.");
 }
 
@@ -226,7 +226,7 @@ void bind_reconstruct(py::module_ &m) {
       .def(py::init<Path, Path, ReconstructionOptions, Context>(), py::arg("session"), py::arg("out"),
            py::arg("options") = ReconstructionOptions{}, py::arg("context") = interruptible_context())
       .def_readwrite("options", &Reconstruction::options, "ReconstructionOptions")
-      .def_readwrite("stages", &Reconstruction::stages, "Stages in their order; a list of its own, to be set as a whole")
+      .def_readwrite("stages", &Reconstruction::stages, "Stages in their order; a copy: assign the whole list to change it")
       .def_readwrite("announce", &Reconstruction::announce, "called with one line about each stage")
       .def(
           "replace",
@@ -234,34 +234,35 @@ void bind_reconstruct(py::module_ &m) {
             self.replace(stage, run_from(run), runner ? *runner : runner_of(run));
           },
           py::arg("stage"), py::arg("run"), py::arg("runner") = py::none(),
-          "Puts run(reconstruction), which returns numbers for run.json, in the place of a stage's work; it must write the same "
-          "files. runner: its name, for the record.")
+          "Replaces the implementation of a stage by run(reconstruction), which returns numbers for run.json; it must write the "
+          "same files. runner: its name, for the record.")
       .def("run", &Reconstruction::run, py::arg("names"), py::arg("force") = false, Release(),
-           "Stages by name, each unless it is up to date. Returns whether any ran.")
-      .def("run_all", &Reconstruction::run_all, py::arg("force") = false, Release(), "All stages, each unless it is up to date.")
-      .def_property_readonly("findings", &Reconstruction::findings, "what the stages that were asked for found doubtful")
+           "Runs the named stages unless they are up to date. Returns whether any ran.")
+      .def("run_all", &Reconstruction::run_all, py::arg("force") = false, Release(),
+           "Runs all stages unless they are up to date. Returns whether any ran.")
+      .def_property_readonly("findings", &Reconstruction::findings, "Findings about the stages of the last run()")
       .def_property_readonly("session_folder", &Reconstruction::session_folder, "as it was given")
       .def_property_readonly("out", &Reconstruction::out, "folder of the results")
       .def("path", &Reconstruction::path, py::arg("file"), "of a file of `out`")
-      .def_property_readonly("context", &Reconstruction::context, "Context, whose log is also in log.txt")
+      .def_property_readonly("context", &Reconstruction::context, "Context, whose log is also written to log.txt")
       .def_property(
           "session", [](Reconstruction &self) { return self.session(); }, &Reconstruction::set_session,
-          "Session, read when it is asked for; by run() if its files were written since")
-      .def("reread_session", &Reconstruction::reread_session, "After its files were changed.")
+          "Session, read at the first access; read again by run() if its files have changed")
+      .def("reread_session", &Reconstruction::reread_session, "Reads the session again after its files were changed.")
       .def_property_readonly("filmed", &Reconstruction::filmed, "the session with the refined cameras, if there are any")
       .def_property_readonly("silhouettes", &Reconstruction::silhouettes, kInside,
-                             "SilhouetteExtractor, trained with the options that there are; None if all cameras have ready masks")
+                             "SilhouetteExtractor, trained with the current options; None if all cameras have ready masks")
       .def_property_readonly("results", &Reconstruction::results, kInside, "Results of the stages")
       .def_property_readonly("record", &Reconstruction::record, kInside, "RunRecord")
-      .def("solver_settings", &Reconstruction::solver_settings, "SolverSettings, without which materials mean nothing.")
-      .def("fit_options", &Reconstruction::fit_options, "FitOptions with seed and frame rate.");
+      .def("solver_settings", &Reconstruction::solver_settings, "SolverSettings for which materials are estimated.")
+      .def("fit_options", &Reconstruction::fit_options, "FitOptions with the seed of the options.");
   m.def(
       "fit_together",
       [](const std::vector<Reconstruction *> &reconstructions) {
         fit_together(require_objects(reconstructions, "reconstructions"));
       },
       py::arg("reconstructions"), Release(),
-      "One material, and one width, for several takes of one garment, with the options and the seed of the first.");
+      "Estimates one material, and one width, for several takes of one garment, with the options and the seed of the first.");
 }
 
 } // namespace doublet::python

@@ -5,20 +5,22 @@
 
 namespace doublet::python {
 void bind_simulate(py::module_ &m) {
-  OptionsClass<SolverSettings>(m, "How the cloth was simulated when its material was estimated.")
+  OptionsClass<SolverSettings>(m, "Settings with which the cloth was simulated when its material was estimated.")
       .get()
       .def(py::init([](double dt, const pbd::ClothOptions &cloth) {
              return SolverSettings{dt, cloth};
            }),
            py::arg("dt"), py::arg("cloth") = pbd::ClothOptions{});
-  Class<PosedFrame>(m, "PosedFrame", "A pose worked out once: skinned surface and proxies.")
+  Class<PosedFrame>(m, "PosedFrame", "A posed character without cloth simulation: skinned surface and proxies.")
       .def_readonly("skinned", &PosedFrame::skinned, "(V, 3) m")
       .def_readonly("capsules", &PosedFrame::capsules, "proxies in the pose");
   Class<CharacterState>(m, "CharacterState", "Simulated state of all cloth regions; copy() saves it.")
       .def_readwrite("regions", &CharacterState::regions, "ClothState of each cloth region")
       .def(
-          "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
-  Class<ClothRegion>(m, "ClothRegion", "One piece of cloth: the faces with a vertex of the region, and the ring they hang from.")
+          "copy", [](const CharacterState &state) { return state; }, "An independent copy.");
+  Class<ClothRegion>(
+      m, "ClothRegion",
+      "One piece of cloth: the faces with a vertex of the region, including the rigid vertices that it is attached to.")
       .def_readonly("vertex_from_cloth", &ClothRegion::vertex_from_cloth, "(N) index into the actor's vertices")
       .def_property_readonly(
           "model", [](const ClothRegion &region) { return std::const_pointer_cast<pbd::ClothModel>(region.model); },
@@ -45,7 +47,7 @@ void bind_simulate(py::module_ &m) {
             return simulator.start(frame, surface ? &*surface : nullptr);
           },
           py::arg("frame"), py::arg("surface") = std::nullopt, Release(),
-          "Cloth at rest: at `surface` (V, 3) if given, else at its rest shape or skinned position.")
+          "Cloth with velocity 0: at `surface` (V, 3) m if given, else at its skinned rest shape or skinned position.")
       .def("settle", &CharacterSimulator::settle, py::arg("state"), py::arg("frame"), py::arg("materials"), py::arg("dt"),
            py::arg("frames"), Release(),
            "Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.")
@@ -69,9 +71,9 @@ void bind_simulate(py::module_ &m) {
             return failed;
           },
           py::arg("states"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
-          "step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one per "
-          "region "
-          "of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.")
+          "step() for several states side by side in the lanes of SIMD registers, with the same bits; materials[i]: one per "
+          "region of states[i]. Returns pairs (index of the state, region) of regions that are not finite after the step; their "
+          "states are unchanged.")
       .def("surface", py::overload_cast<const CharacterState &, const PosedFrame &>(&CharacterSimulator::surface, py::const_),
            py::arg("state"), py::arg("frame"), Release(), "(V, 3) m");
 }

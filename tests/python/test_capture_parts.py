@@ -143,9 +143,9 @@ def test_a_problem_does_not_outlive_its_call(scene):
     pose = SamePose()
     capture(scene, pose=pose)
     assert pose.kept[0].predicted.shape == (9,)
-    with pytest.raises(ValueError, match="as long as the call"):
+    with pytest.raises(ValueError, match="valid only during the call"):
         _ = pose.kept[0].actor
-    with pytest.raises(ValueError, match="as long as the call"):
+    with pytest.raises(ValueError, match="valid only during the call"):
         d.PoseOptimizer.create().optimize(pose.kept[0])
 
 
