@@ -136,6 +136,25 @@ TEST(TextureOfATake, FramesInOtherLightMeetWithoutASeam) {
   EXPECT_LT(step, 0.13); // of 0.3
 }
 
+TEST(TextureOfATake, ACameraGoesOverIntoAnotherTowardsTheBorderOfItsView) {
+  FoldingSheet sheet;
+  sheet.cameras[1] = look_at({-0.6, 1, 2}, {-0.6, 1, 0}, 900, 600, 600); // up to x = 0.067
+  std::vector<Image> images;
+  for (int bright : {200, 100})
+    images.emplace_back(600, 600, 3, static_cast<std::uint8_t>(bright));
+  const BakedTexture texture = bake_texture(sheet.flat, {}, sheet.cameras, images, {}, {}, sheet.options);
+  const Eigen::RowVector2d low = texture.texcoords.colwise().minCoeff() * texture.image.width,
+                           high = texture.texcoords.colwise().maxCoeff() * texture.image.width;
+  constexpr int kRim = 40; // px; there a camera sees the backdrop beside the sheet
+  int most = 0;
+  for (int y = static_cast<int>(low.y()) + kRim; y < static_cast<int>(high.y()) - kRim; ++y)
+    for (int x = static_cast<int>(low.x()) + kRim; x < static_cast<int>(high.x()) - kRim; ++x)
+      most = std::max({most, std::abs(texture.image.at(x + 1, y, 0) - texture.image.at(x, y, 0)),
+                       std::abs(texture.image.at(x, y + 1, 0) - texture.image.at(x, y, 0))});
+  EXPECT_GT(most, 0);
+  EXPECT_LT(most, 8);
+}
+
 TEST(TextureOfATake, OneFrameOfATakeIsThatFrame) {
   FoldingSheet sheet;
   sheet.add(sheet.flat.vertices);

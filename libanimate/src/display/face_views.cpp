@@ -1,9 +1,11 @@
 #include "face_views.h"
 
 #include "doublet/animate/parts/irradiance.h"
+#include "doublet/core/parts/edge_distances.h"
 #include "hidden_skin.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -262,6 +264,13 @@ Vector3d FilmedFrame::normal(const Faces &faces, int f, const Vector3d &barycent
   return sum.normalized();
 }
 
+double FilmedFrame::inside_at(const Faces &faces, int f, const Vector3d &barycentric, int camera) const {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k)
+    sum += barycentric[k] * inside[camera][faces(f, k)];
+  return sum;
+}
+
 Vector3f within_white(Vector3f colour) {
   if (const float most = colour.maxCoeff(); most > 255) // the normal is not that exact, the hue is
     colour *= 255 / most;
@@ -276,7 +285,7 @@ double sight_weight(double facing, double depth, const Camera &camera, double fa
 void add_frame(FilmedFaces &filmed, const SurfaceSights &sights, const Vertices &vertices, const std::vector<Image> &images,
                const TextureOptions &options, const Context &context) {
   const int number = static_cast<int>(filmed.frames.size());
-  FilmedFrame frame{vertices, sights.normals(), {}, {}};
+  FilmedFrame frame{vertices, sights.normals(), {}, {}, {}};
   for (std::size_t c = 0; c < images.size(); ++c)
     frame.parts.push_back(images[c].empty() ? ImagePart{} : part_of(images[c], filmed.cameras[c], vertices));
   filmed.frames.push_back(std::move(frame));
@@ -285,6 +294,35 @@ void add_frame(FilmedFaces &filmed, const SurfaceSights &sights, const Vertices 
       return;
     if (std::optional<FaceView> found = view_of(f, sights, number, options.facing_power))
       filmed.views[f].push_back(std::move(*found));
+  });
+}
+
+float worth(const FaceView &view) {
+  constexpr float kOff = 30;  // of 255: so far off in its surroundings, a view shows something else
+  constexpr float kSlip = 25; // of 255: so unlike the others, it is of another place
+  return view.quality * std::exp(-view.level.squaredNorm() / (kOff * kOff) - view.slip * view.slip / (kSlip * kSlip));
+}
+
+void find_insides(FilmedFaces &filmed, const std::vector<std::uint8_t> &valid, const Context &context) {
+  constexpr double kBand = 0.02; // m
+  const Mesh &mesh = filmed.mesh;
+  const int cameras = static_cast<int>(filmed.cameras.size());
+  const auto neighbours = vertex_neighbours(mesh.faces, static_cast<int>(mesh.vertices.rows()));
+  for (FilmedFrame &frame : filmed.frames)
+    frame.inside.resize(filmed.cameras.size());
+  parallel_for(context, cameras * static_cast<int>(filmed.frames.size()), [&](int i) {
+    const int number = i / cameras, camera = i % cameras;
+    const auto shows = [&](int f) {
+      const FaceView *view = filmed.view(f, number);
+      return view &&
+             std::any_of(view->seen.begin(), view->seen.end(), [&](const SeenPoints &seen) { return seen.camera == camera; });
+    };
+    std::vector<int> border;
+    for (int f = 0; f < mesh.faces.rows(); ++f)
+      if ((valid.empty() || valid[f]) && !shows(f))
+        border.insert(border.end(), {mesh.faces(f, 0), mesh.faces(f, 1), mesh.faces(f, 2)});
+    filmed.frames[number].inside[camera] =
+        (edge_distances(mesh.vertices, neighbours, border, kBand) / kBand).cwiseMin(1).cast<float>();
   });
 }
 

@@ -34,10 +34,12 @@ struct FilmedFrame {
   Vertices vertices, normals;
   Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> gains; ///< (V, 3) of the 8-bit B G R; none = 1
   std::vector<ImagePart> parts;                                   ///< one per camera; empty = none
+  std::vector<Eigen::VectorXf> inside;                            ///< [cameras] (V), see find_insides()
   /// At a point of a face.
   Eigen::Vector3f gain(const Faces &faces, int f, const Eigen::Vector3d &barycentric) const;
   Eigen::Vector3d normal(const Faces &faces, int f, const Eigen::Vector3d &barycentric) const;
   Eigen::Vector3d point(const Faces &faces, int f, const Eigen::Vector3d &barycentric) const;
+  double inside_at(const Faces &faces, int f, const Eigen::Vector3d &barycentric, int camera) const;
 };
 
 /// What was filmed of a surface.
@@ -70,6 +72,13 @@ double sight_weight(double facing, double depth, const Camera &camera, double fa
 /// Adds a frame: what `sights` of its images show.
 void add_frame(FilmedFaces &filmed, const SurfaceSights &sights, const Vertices &vertices, const std::vector<Image> &images,
                const TextureOptions &options, const Context &context);
+
+/// Quality, less where the view shows something else or another place than most others.
+float worth(const FaceView &view);
+
+/// Fills `inside` of the frames: how far each vertex is from the faces drawn (`valid`, as of bake_texture()) of which the camera
+/// shows nothing, 0 = at one, 1 = a band away from all.
+void find_insides(FilmedFaces &filmed, const std::vector<std::uint8_t> &valid, const Context &context);
 
 /// Divides all colours by the light that was on the surface in all frames.
 void divide_light(FilmedFaces &filmed, const Context &context);

@@ -70,20 +70,31 @@ public:
     const std::vector<Layer> chosen = chosen_layers(f);
     std::optional<std::vector<Layer>> all;
     detail::for_texels(layout, f, [&](int x, int y, const Vector3d &at) {
-      std::optional<Vector3f> colour = blended(chosen, f, at);
-      if (!colour) {
+      const Blend first = blended(chosen, f, at);
+      Vector3f colour = first.sum;
+      if (first.weight < 1) {
         if (!all)
           all = all_layers(f);
-        colour = blended(*all, f, at);
+        colour += (1 - first.weight) * elsewhere(*all, f, at);
       }
-      if (!colour)
-        colour = between_faces(f, at);
       for (int c = 0; c < 3; ++c)
-        image.at(x, y, c) = static_cast<std::uint8_t>(std::clamp((*colour)[c] + 0.5f, 0.0f, 255.0f));
+        image.at(x, y, c) = static_cast<std::uint8_t>(std::clamp(colour[c] + 0.5f, 0.0f, 255.0f));
     });
   }
 
 private:
+  /// Colours, each times its weight, and how far inside of what is seen the surest of them is.
+  struct Blend {
+    Vector3f sum = Vector3f::Zero();
+    float weight = 0, inside = 0;
+
+    void add(float share, const Vector3f &colour, float how_far) {
+      sum += share * colour;
+      weight += share;
+      inside = std::max(inside, how_far);
+    }
+  };
+
   /// A face in a frame, how much it counts at the corners, and its levels there.
   struct Layer {
     const FaceView *view;
@@ -107,8 +118,13 @@ private:
 
   std::vector<Layer> all_layers(int f) const {
     std::vector<Layer> layers;
-    for (const FaceView &view : filmed_.views[f])
-      layers.push_back({&view, Vector3d::Constant(view.quality), levels(f, view)});
+    for (const FaceView &view : filmed_.views[f]) {
+      layers.push_back({&view, Vector3d::Zero(), levels(f, view)});
+      for (int k = 0; k < 3; ++k)
+        for (const std::vector<int> &around = around_[filmed_.mesh.faces(f, k)]; int g : around)
+          if (const FaceView *other = filmed_.view(g, view.frame))
+            layers.back().weights[k] += detail::worth(*other) / static_cast<double>(around.size());
+    }
     return layers;
   }
 
@@ -128,19 +144,24 @@ private:
     return found;
   }
 
-  /// Of the layers that were seen at the point.
-  std::optional<Vector3f> blended(const std::vector<Layer> &layers, int f, const Vector3d &at) const {
-    Vector3f sum = Vector3f::Zero();
-    double weights = 0;
+  Blend blended(const std::vector<Layer> &layers, int f, const Vector3d &at) const {
+    Blend sum;
     for (const Layer &layer : layers) {
-      const double weight = layer.weights.dot(at);
-      const std::optional<Vector3f> seen = weight > 0 ? seen_colour(*layer.view, f, at) : std::nullopt;
-      if (!seen)
-        continue;
-      sum += static_cast<float>(weight) * (*seen + layer.levels * at.cast<float>());
-      weights += weight;
+      const auto weight = static_cast<float>(layer.weights.dot(at));
+      const Blend seen = weight > 0 ? seen_colour(*layer.view, f, at) : Blend{};
+      if (seen.weight > 0)
+        sum.add(weight * seen.inside, seen.sum / seen.weight + layer.levels * at.cast<float>(), seen.inside);
     }
-    return weights > 0 ? std::optional<Vector3f>(sum / static_cast<float>(weights)) : std::nullopt;
+    return sum;
+  }
+
+  /// What the chosen frames do not show: the mean of all, and towards the border of what any shows the colours of the faces.
+  Vector3f elsewhere(const std::vector<Layer> &all, int f, const Vector3d &at) const {
+    const Blend seen = blended(all, f, at);
+    Vector3f colour = (1 - seen.inside) * between_faces(f, at);
+    if (seen.weight > 0)
+      colour += seen.inside / seen.weight * seen.sum;
+    return colour;
   }
 
   /// The index in points_of_a_face() of the nearest.
@@ -150,28 +171,30 @@ private:
     return i * detail::kAlong - i * (i - 1) / 2 + k;
   }
 
-  /// The mean of the cameras that see the point.
-  std::optional<Vector3f> seen_colour(const FaceView &view, int f, const Vector3d &at) const {
+  /// The cameras that see the point.
+  Blend seen_colour(const FaceView &view, int f, const Vector3d &at) const {
+    constexpr double kLeast = 1e-3; // beside a border a camera counts where no other is
     const detail::FilmedFrame &frame = filmed_.frames[view.frame];
     const Faces &faces = filmed_.mesh.faces;
     const Vector3d point = frame.point(faces, f, at), normal = frame.normal(faces, f, at);
     const int nearest = nearest_point(at);
-    Vector3f sum = Vector3f::Zero();
-    float weights = 0;
+    Blend found;
     for (const detail::SeenPoints &seen : view.seen) {
       if (!(seen.points >> nearest & 1))
         continue;
       const Camera &camera = filmed_.cameras[seen.camera];
       const detail::ImagePart &part = frame.parts[seen.camera];
       const double facing = std::max(normal.dot((camera.centre() - point).normalized()), options_.grazing);
-      const auto weight = static_cast<float>(detail::sight_weight(facing, camera.depth(point), camera, options_.facing_power));
+      const double weight = detail::sight_weight(facing, camera.depth(point), camera, options_.facing_power),
+                   inside = std::max(kLeast, frame.inside_at(faces, f, at, seen.camera));
       const Vector2d last(part.image.width - 1.001, part.image.height - 1.001);
-      sum += weight * detail::bilinear(part.image, (camera.project(point) - part.origin).cwiseMax(0).cwiseMin(last));
-      weights += weight;
+      found.add(static_cast<float>(weight * inside),
+                detail::bilinear(part.image, (camera.project(point) - part.origin).cwiseMax(0).cwiseMin(last)),
+                static_cast<float>(inside));
     }
-    if (!(weights > 0))
-      return std::nullopt;
-    return detail::within_white(sum.cwiseProduct(frame.gain(faces, f, at)) / weights);
+    if (found.weight > 0)
+      found.sum = found.weight * detail::within_white(found.sum.cwiseProduct(frame.gain(faces, f, at)) / found.weight);
+    return found;
   }
 
   /// The colours of the faces, smooth between them.
@@ -253,6 +276,7 @@ std::pair<Image, double> baked_into(const detail::ChartLayout &layout, const Mes
   look(seen, choose_texture_frames(mesh, valid, cameras, filmed, options, context), valid, filmed, labels, options, context);
   if (options.albedo)
     detail::divide_light(seen, context);
+  detail::find_insides(seen, valid, context);
   detail::find_levels(seen, context);
   detail::choose_views(seen);
   Image image = painted(seen, layout, options, context);

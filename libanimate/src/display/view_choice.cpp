@@ -73,12 +73,7 @@ private:
 
   /// 0 = the best view of the face, 1 = one that shows nothing.
   static double cost_of(const FaceView &view, const std::vector<FaceView> &views) {
-    constexpr float kOff = 30;  // of 255: so far off in its surroundings, a view shows something else
-    constexpr float kSlip = 25; // of 255: so unlike the others, it is of another place
     float best = 0;
-    const auto worth = [](const FaceView &v) {
-      return v.quality * std::exp(-v.level.squaredNorm() / (kOff * kOff) - v.slip * v.slip / (kSlip * kSlip));
-    };
     for (const FaceView &other : views)
       best = std::max(best, worth(other));
     return best > 0 ? 1 - worth(view) / best : 0;
