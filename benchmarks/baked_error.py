@@ -1,4 +1,4 @@
-"""Size of a baked .glb against its error: places over all frames, normals in every 16th.
+"""Size and error of a baked .glb: positions over all frames, normals in every 16th frame.
 
 python benchmarks/baked_error.py CHARACTER.glb MOTION [--errors 0 0.0005 0.001 0.002] [-o FOLDER]
 """

@@ -1,4 +1,4 @@
-"""How well bodies of people left out of training are found: naked, with parts missing, marks off, other poses, and dressed.
+"""Fit of people left out of training: naked, with parts missing, with wrong marks, in other poses, and dressed.
 
 python benchmarks/body_study.py POPULATION.npz [--people 24] [--only naked skirt]
 """

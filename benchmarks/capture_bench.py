@@ -1,4 +1,4 @@
-"""Seconds a frame of the capture, step by step, and peak memory for N and 2 N frames.
+"""Seconds per frame of the capture, step by step, and peak memory for N and 2 N frames.
 
 python benchmarks/capture_bench.py SESSION [--frames 20] --actor OUT/actor.npz
 """

@@ -1,14 +1,14 @@
-"""A character on many clips, a row each: what an artist would stumble over (docs/animation.md).
+"""Defects of a character's animation on many clips, one row per clip (docs/animation.md).
 
 python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
 
-skin: frames in which over 2 cm^2 of the person (without arms) come through the garment in the worst of 8 views, and the most of
-it; within: the same where the garment lies between the person's front and back (display_hem.py); stretch: the most that an edge
-of the drawn garment is longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges
-ever are over 3 times as long; floor: the lowest point of the feet over the floor, lowest and highest over the frames;
-slide: speed of a foot's lowest point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last
-half second of the last pose, held, 95 % of vertices; crossing: faces of the simulated garment that pass through others, when the
-motion ends and when the hold ends.
+skin: frames in which over 2 cm^2 of the person (without arms) come through the garment in the worst of 8 views, and the largest
+area; within: the same where the garment lies between the person's front and back (display_hem.py); stretch: the largest ratio of
+the length of an edge of the drawn garment to that in the garment's rest shape (2 mm if it is shorter there), the frame, and how
+many edges are ever over 3 times as long; floor: height of the lowest point of the feet over the floor, its minimum and maximum
+over the frames; slide: speed of a foot's lowest point along the floor while it is within 1 cm of it, 95 % quantile; rest: speed
+of the garment in the last half second of the held last pose, 95 % quantile over vertices; crossing: faces of the simulated
+garment that pass through others, when the motion ends and when the hold ends.
 """
 
 from __future__ import annotations

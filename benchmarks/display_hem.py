@@ -1,4 +1,4 @@
-"""How cleanly a character's garment is drawn: its hem beside the simulated one, and what of the person comes through it.
+"""How cleanly a character's garment is drawn: its hem compared with the simulated one, and skin that comes through it.
 
 python benchmarks/display_hem.py CHARACTER.glb MOTION [--seconds 4] [--every 8]
 

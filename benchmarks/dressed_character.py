@@ -1,4 +1,4 @@
-"""A character in trousers, a shirt, an open jacket or several of them: for sessions with known truth that nobody filmed for us.
+"""A character in trousers, a shirt, an open jacket or several of them: for synthetic sessions.
 
 python benchmarks/dressed_character.py trousers -o trousers.glb [--ease 0.03] [--shape 3] [--snug pelvis hip]
 python benchmarks/dressed_character.py trousers tee -o both.glb      # one over the other, the outermost last

@@ -1,4 +1,4 @@
-"""How well E_fit tells the distance to the true garment: rank correlation over random materials with k_stretch 1.
+"""How well E_fit predicts the distance to the true garment: rank correlation over random materials with k_stretch 1.
 
 python benchmarks/energy_study.py OUT --truth SESSION/ground_truth [--materials N] [--every N]
 """

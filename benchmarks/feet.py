@@ -2,7 +2,7 @@
 
 python benchmarks/feet.py CHARACTER.glb CLIP...
 
-A row a clip, before and after plant_feet, without the blend from the rest pose. The lowest point of a foot of the coarse mesh
+One row per clip, before and after plant_feet, without the blend from the rest pose. The lowest point of a foot of the coarse mesh
 counts as sliding while it is lower than 0.5, 1 or 1.5 cm: the number of such foot frames, and median and 95 % of that point's
 speed along the floor since the frame before. Lifting feet makes the numbers smaller, so a gain is one if it is there at every
 height. `near` are the frames within 0.075 s of a contact of the clip, but not in it, the same before and after: median height,

@@ -1,4 +1,4 @@
-"""The columns of this field's papers: how often a simulation succeeds, seconds a frame, Chamfer distance and F-score.
+"""Measures of papers on simulated avatars: success rate of the simulation, seconds per frame, Chamfer distance and F-score.
 
 python benchmarks/field.py NAME=CHARACTER.glb... --clips CLIP... -o FOLDER [--count 200] [--seed 1]
 python benchmarks/field.py --truth SESSION/ground_truth OUT [--every N]

@@ -1,4 +1,4 @@
-"""How the simulated garment lies on the body: gap and bulge where the true one rests on it, and what goes into the body.
+"""How the simulated garment lies on the body: gap and bulge where the true one rests on it, and penetration of the body.
 
 python benchmarks/garment_gap.py OUT --truth SESSION/ground_truth [--every N]
 """

@@ -1,4 +1,4 @@
-"""How much cloth a garment has: hem, area, and way from seam to hem, in the scan pose, at rest and in truth (docs/garment.md).
+"""The size of a garment: hem, area, and length from seam to hem, in the scan pose, at rest and in truth (docs/garment.md).
 
 python benchmarks/garment_shape.py OUT [--truth SESSION/ground_truth]
 """

@@ -1,5 +1,5 @@
-"""What the video says about an option of the garment's mesh, and what the truth says: E_fit of the same ordinary materials with
-each value, and how far from the truth the best of them are.
+"""An option of the garment's mesh by video and by truth: E_fit of the same ordinary materials with each value, and the distance
+of the best of them from the truth.
 
 python benchmarks/garment_study.py OUT --values 0.15 0.25 0.35 0.5 [--option NAME] [--truth SESSION/ground_truth] [--materials N]
 """

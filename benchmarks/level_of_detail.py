@@ -1,5 +1,5 @@
-"""What levels of detail of a character's display surface cost: distance of the surface's vertices to what is drawn, in every 16th
-frame of a clip, and the size of the baked .glb.
+"""Error and size of levels of detail of a character's display surface: distance of the surface's vertices to the drawn faces, in
+every 16th frame of a clip, and the size of the baked .glb.
 
 python benchmarks/level_of_detail.py CHARACTER.glb MOTION [--triangles 10000 4000 2000] [-o FILE.jpg --frame 120]
 """

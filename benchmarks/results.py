@@ -1,9 +1,9 @@
-"""The first table of docs/results.md, with the version and the day that it was made.
+"""The first table of docs/results.md, with version and date.
 
 python benchmarks/results.py NAME=SESSION... -o FOLDER [--write docs/results.md] [--seed N]
 
-Every session is reconstructed into FOLDER/NAME, by the command that users run (a FOLDER of another version is to be removed), and
-measured against its ground truth. Printed as Markdown; --write puts it into a page, between `<!-- results -->` and
+Every session is reconstructed into FOLDER/NAME with the users' command (remove a FOLDER of another version first) and compared
+with its ground truth. Printed as Markdown; --write puts it into a page, between `<!-- results -->` and
 `<!-- /results -->`.
 """
 

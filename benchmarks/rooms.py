@@ -1,4 +1,4 @@
-"""What each flaw of a real room costs: a session filmed before a screen, as it would have been there, against the same truth.
+"""The error that each flaw of a real room adds: a session filmed in front of a screen, modified as if filmed in such a room.
 
 python benchmarks/rooms.py SESSION -o FOLDER [--rooms clean flicker ...] [--seed N]
 

@@ -1,9 +1,9 @@
-"""What limits cloth_iou: the capture, or the segmentation? Segments a session's surfaces with the true ones in their place.
+"""What limits cloth_iou, capture or segmentation? Segments true surfaces of a session instead of the captured ones.
 
 python benchmarks/segment_truth.py OUT SESSION [--even-odds 3 --colour 4.5]
 
-The template is carried along by the true surface (the nearest one that a camera sees in the scan pose), all of it, its skin, or
-its cloth; the skeleton is the captured one. A line each: cloth_iou as `doublet evaluate` has it, false and missed cloth in m^2,
+The template follows the true surface (the nearest point that a camera sees in the scan pose): all of it, only its skin, or only
+its cloth; the skeleton is the captured one. One line each: cloth_iou as `doublet evaluate` has it, false and missed cloth in m^2,
 and where (by the joint that moves it, from 0.01 m^2).
 """
 

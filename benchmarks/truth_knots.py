@@ -1,4 +1,4 @@
-"""Where a true garment passes through itself, which no cloth does, and what it is compared with before and after that.
+"""Frames in which a true garment passes through itself, and errors against it before and after.
 
 python benchmarks/truth_knots.py SESSION/ground_truth [--simulated OUT] [--again FOLDER] [--every N]
 """

@@ -3,7 +3,7 @@
 
 python benchmarks/view_page.py FOLDER -o docs/pictures/view.jpg [--seconds 20] [--phone]
 
-Prints ms a simulated frame and frames a second. Nothing is drawn while they are measured: without a graphics card drawing takes
+Prints ms per simulated frame and frames per second. Nothing is drawn during the measurement: without a graphics card drawing uses
 the processor that the simulation needs. Needs selenium, Chromium and its driver.
 """
 

@@ -366,7 +366,7 @@ void bind_template(py::module_ &m) {
         ".ply, .obj, .stl or .off: vertices and faces; polygons become fans of triangles. Raises FileNotFoundError, or Error "
         "naming the file.");
   m.def("write_mesh", &write_mesh, py::arg("path"), py::arg("mesh"), Release(),
-        "Writes .ply, .obj, .stl or .off by the extension atomically.");
+        "Writes .ply, .obj, .stl or .off, by the extension, atomically.");
 }
 
 void bind_performance(py::module_ &m) {
