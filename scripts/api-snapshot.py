@@ -25,8 +25,10 @@ def short_hash(text: str) -> str:
 
 
 def declarations(header: str) -> str:
-    """A header without comments and layout."""
-    return " ".join(re.sub(r"//[^\n]*|/\*.*?\*/", " ", header, flags=re.DOTALL).split())
+    """A header without comments and layout, and without sentences, which options and kits have for people."""
+    code = " ".join(re.sub(r"//[^\n]*|/\*.*?\*/", " ", header, flags=re.DOTALL).split()).replace("( ", "(")
+    text = r'"(?:\\.|[^"\\])*"'
+    return re.sub(f"{text}(?: {text})*", lambda found: '""' if " " in found[0] else found[0], code)
 
 
 def stable_headers() -> dict[str, str]:

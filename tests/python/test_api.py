@@ -26,6 +26,9 @@ def test_a_change_needs_a_line_in_the_changelog(api, tmp_path, monkeypatch, caps
     header = "/// m\nstruct A {\n  int a = 1; ///< so many\n};\n"
     assert api.declarations(header) == api.declarations(header.replace("so many", "a count"))
     assert api.declarations(header) != api.declarations(header.replace("= 1", "= 2"))
+    option = 'option(&O::a, "a", "Number of them", "More take longer")'
+    assert api.declarations(option) == api.declarations(option.replace("of them", 'that are "\n  "counted'))
+    assert api.declarations(option) != api.declarations(option.replace('"a"', '"b"'))
     root, include = tmp_path, tmp_path / "libcore/include/doublet/core"
     (include / "parts").mkdir(parents=True)
     (root / "tests").mkdir()
