@@ -24,8 +24,8 @@ void bind_rays(py::module_ &m) {
             return std::make_pair(faces, distances);
           },
           py::arg("origins"), py::arg("directions"), py::arg("min_distance") = 0.0, Release(),
-          "(face, distance) of the first hits of N rays; face -1 and distance inf if there is none. directions (N, 3); distances "
-          "in multiples of their lengths.")
+          "(face, distance) of the first hits of N rays; face -1 and distance inf if there is none. directions (N, 3) unit: "
+          "otherwise distances are in multiples of their lengths.")
       .def(
           "closest",
           [](const RayScene &scene, const Vertices &points) {
