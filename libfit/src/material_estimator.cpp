@@ -166,9 +166,10 @@ Eigen::VectorXd in_box(const Eigen::VectorXd &unit) {
   return unit.cwiseMax(0.0).cwiseMin(1.0);
 }
 
-/// What search `k` has found of region `r`, without any energy; evaluations are those of all searches.
+/// What search `k` has found of region `r`, without an answer; evaluations are those of all searches.
 RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int k, int r, const Searched &searched) {
-  const OptimizerResult &part = found.parts[searches.part(k, r)];
+  const int index = searches.part(k, r);
+  const OptimizerResult &part = found.parts[index];
   RegionFit region;
   region.deviations = part.deviations;
   region.stop_reason = part.stop_reason;
@@ -176,7 +177,9 @@ RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int 
     region.evaluations += found.parts[searches.part(other, r)].evaluations;
     region.generations += found.parts[searches.part(other, r)].generations;
   }
-  region.best = searched.material(part.best);
+  Eigen::Index best = 0;
+  region.best_energy = found.energies[index].minCoeff(&best);
+  region.best = searched.material(found.samples[index].row(best).transpose());
   return region;
 }
 
@@ -215,8 +218,8 @@ FitResult interrupted(FitResult result, const MinimiseResult &found, const Searc
     found.energies[part].minCoeff(&best);
     RegionFit region = region_fit(found, searches, chosen[r], r, searched);
     region.answer = found.samples[part].row(best).transpose();
-    region.energy = region.best_energy = energies[chosen[r]];
-    region.material = region.best = searched.material(region.answer);
+    region.energy = region.best_energy;
+    region.material = region.best;
     region.width = searched.width(region.answer);
     result.regions.push_back(region);
   }
@@ -394,7 +397,6 @@ RegionFit final_region(const MinimiseResult &found, const Searches &searches, in
   region.energy = cost.energy;
   region.energy_noise = cost.noise;
   region.energy_at_centre = cost.centre;
-  region.best_energy = found.energies[part].minCoeff();
   if (searches.count() > 1)
     region.answer_half_range = (answers.colwise().maxCoeff() - answers.colwise().minCoeff()).transpose() / 2;
   if (found.energies[part].size() > 1) {

@@ -228,7 +228,7 @@ def test_wrong_sizes_of_pose_and_surface_are_named(scene):
         capture(scene, pose=Short())
     with pytest.raises(d.Error, match="surface refiner returned 7 vertices"):
         capture(scene, surface=Few())
-    with pytest.raises(ValueError, match="one descriptor a point"):
+    with pytest.raises(ValueError, match="one descriptor per point"):
         d.Features(np.zeros((3, 2)), np.zeros((2, 4)))
 
 

@@ -147,7 +147,7 @@ def names_of(page: str, world: World) -> dict:
     import optuna
     from doublet.evaluation import study
 
-    actor = {"actor": world.actor, "clothness": world.segmentation, "proxies": world.proxies, "options": d.ClothOptions()}
+    actor = {"actor": world.actor, "segmentation": world.segmentation, "proxies": world.proxies, "options": d.ClothOptions()}
     names = {
         "architecture.md": lambda: {
             "my_segmentation": lambda job: d.write_segmentation(job.path("segmentation.npz"), world.segmentation) or {}
@@ -218,7 +218,7 @@ PROLOGUES = {
     "README.md": ("", ["const Vertices &rest, const Faces &faces, const std::vector<Capsule> &legs"]),
     "body-model.md": (
         "doublet/bodymodel/proxies.h",
-        [f"{ACTOR}, const doublet::Segmentation &clothness, const std::map<std::string, Eigen::Vector3d> &landmarks"],
+        [f"{ACTOR}, const doublet::Segmentation &segmentation, const std::map<std::string, Eigen::Vector3d> &landmarks"],
     ),
     "calibration-refinement.md": ("cstdio", ["const doublet::CaptureResult &result"]),
     "capture-tracking.md": ("doublet/capture/performance_capture.h", [ACTOR, ACTOR]),
@@ -228,7 +228,7 @@ PROLOGUES = {
             "const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const Material &material, "
             "const Vertices &skinned_before, const Vertices &skinned_now, const std::vector<Capsule> &proxies_before, "
             "const std::vector<Capsule> &proxies_now",
-            f"{ACTOR}, const doublet::Segmentation &clothness, const std::vector<doublet::TaperedCapsule> &proxies, "
+            f"{ACTOR}, const doublet::Segmentation &segmentation, const std::vector<doublet::TaperedCapsule> &proxies, "
             "const doublet::pbd::ClothOptions &options, const doublet::Character &character, const doublet::Motion &motion",
         ],
     ),
@@ -243,7 +243,7 @@ PROLOGUES = {
     ),
     "material-estimation.md": (
         VALUES,
-        [f"{STAGES}, const doublet::Segmentation &clothness, const doublet::Garment &garment"],
+        [f"{STAGES}, const doublet::Garment &garment"],
     ),
     "player.md": (
         "",

@@ -106,7 +106,7 @@ struct BayesianOptions {
                "To stop, it must also expect, twice in a row, to gain less than this share; large = no condition"),
         option(&O::levels, "levels", Range{0, 64}, "",
                "Number of evenly spaced values of the last coordinate, if above 1; otherwise it is continuous",
-               "Groups of 16 samples share a value; values next to the answer's are tried before the search stops"),
+               "Groups of 16 samples share a value; the search samples the values next to the answer's before it stops"),
         option(&O::seed, "seed", at_least(0), "", "Seed of the random numbers"),
         not_serialised(&O::first, "first", "(K, n), K >= 4, the first generation; empty = 2 `population` evenly spread points"),
     };
