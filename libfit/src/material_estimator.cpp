@@ -166,7 +166,7 @@ Eigen::VectorXd in_box(const Eigen::VectorXd &unit) {
   return unit.cwiseMax(0.0).cwiseMin(1.0);
 }
 
-/// What search `k` has found of region `r`, without an answer; evaluations are those of all searches.
+/// What search `k` has found of region `r`, its best sample for the answer; evaluations are those of all searches.
 RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int k, int r, const Searched &searched) {
   const int index = searches.part(k, r);
   const OptimizerResult &part = found.parts[index];
@@ -179,7 +179,8 @@ RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int 
   }
   Eigen::Index best = 0;
   region.best_energy = found.energies[index].minCoeff(&best);
-  region.best = searched.material(found.samples[index].row(best).transpose());
+  region.answer = found.samples[index].row(best).transpose();
+  region.best = searched.material(region.answer);
   return region;
 }
 
@@ -213,11 +214,7 @@ FitResult interrupted(FitResult result, const MinimiseResult &found, const Searc
     for (int k = 0; k < searches.count(); ++k)
       energies.push_back(found.energies[searches.part(k, r)].minCoeff());
     chosen.push_back(lowest(energies));
-    const int part = searches.part(chosen[r], r);
-    Eigen::Index best = 0;
-    found.energies[part].minCoeff(&best);
     RegionFit region = region_fit(found, searches, chosen[r], r, searched);
-    region.answer = found.samples[part].row(best).transpose();
     region.energy = region.best_energy;
     region.material = region.best;
     region.width = searched.width(region.answer);
