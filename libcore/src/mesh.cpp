@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace doublet {
@@ -30,6 +31,30 @@ void require_in_range(const Faces &faces, Eigen::Index vertex_count, const char 
                                   std::to_string(vertex_count) + " vertices");
 }
 
+/// By edge, then face. Of a mesh they are dealt out by their lower vertex first, to each of which belong a few: a sort of all by
+/// comparison takes five times as long.
+void sort_by_edge(std::vector<HalfEdge> &edges) {
+  const auto before = [](const HalfEdge &x, const HalfEdge &y) {
+    return std::tie(x.low, x.high, x.face, x.forward) < std::tie(y.low, y.high, y.face, y.forward);
+  };
+  const auto [least, most] =
+      std::minmax_element(edges.begin(), edges.end(), [](const HalfEdge &x, const HalfEdge &y) { return x.low < y.low; });
+  if (edges.empty() || least->low < 0 || static_cast<std::size_t>(most->low) > 4 * edges.size()) {
+    std::sort(edges.begin(), edges.end(), before);
+    return;
+  }
+  std::vector<std::size_t> end(static_cast<std::size_t>(most->low) + 1, 0); // of each vertex's, once they are dealt out
+  for (const HalfEdge &edge : edges)
+    ++end[edge.low];
+  std::exclusive_scan(end.begin(), end.end(), end.begin(), std::size_t{0});
+  std::vector<HalfEdge> dealt(edges.size());
+  for (const HalfEdge &edge : edges)
+    dealt[end[edge.low]++] = edge;
+  for (std::size_t v = 0, first = 0; v < end.size(); first = end[v++])
+    std::sort(dealt.begin() + static_cast<std::ptrdiff_t>(first), dealt.begin() + static_cast<std::ptrdiff_t>(end[v]), before);
+  edges = std::move(dealt);
+}
+
 /// Half-edges sorted by edge, then face; repeated corners and faces for which skip is set make none.
 std::vector<HalfEdge> sorted_half_edges(const Faces &faces, const std::vector<bool> &skip = {}) {
   std::vector<HalfEdge> out;
@@ -43,9 +68,7 @@ std::vector<HalfEdge> sorted_half_edges(const Faces &faces, const std::vector<bo
         out.push_back({std::min(a, b), std::max(a, b), f, a < b});
     }
   }
-  std::sort(out.begin(), out.end(), [](const HalfEdge &x, const HalfEdge &y) {
-    return std::tie(x.low, x.high, x.face, x.forward) < std::tie(y.low, y.high, y.face, y.forward);
-  });
+  sort_by_edge(out);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <climits>
 #include <limits>
+#include <map>
 #include <random>
 
 namespace doublet {
@@ -106,6 +107,30 @@ TEST(Mesh, EdgesNeighboursComponents) {
   EXPECT_EQ(count, 2);
   EXPECT_EQ(component, (Eigen::VectorXi(9) << 0, 0, 0, 0, 1, 1, 1, 1, -1).finished());
   EXPECT_NEAR(mean_edge_length(two.vertices, two.faces), (4 + std::sqrt(2.0)) / 5, 1e-12);
+}
+
+TEST(Mesh, EdgesOfAnyFacesAreSortedWithTheirFirstTwoFaces) {
+  std::mt19937 random(3);
+  const std::vector<int> odd{0, INT_MAX, INT_MIN}; // added to one vertex: what no mesh has
+  for (const int more : odd) {
+    Faces faces(400, 3); // of 40 vertices: edges of many faces, faces with repeated vertices
+    for (int &v : faces.reshaped())
+      v = static_cast<int>(random() % 40);
+    faces(17, 1) = more != 0 ? more : faces(17, 1);
+    std::map<std::pair<int, int>, std::vector<int>> expected;
+    for (int f = 0; f < faces.rows(); ++f)
+      for (int k = 0; k < 3; ++k)
+        if (const int a = faces(f, k), b = faces(f, (k + 1) % 3); a != b)
+          expected[std::minmax(a, b)].push_back(f);
+    const EdgeTopology found = edge_topology(faces);
+    ASSERT_EQ(found.edges.size(), expected.size());
+    std::size_t e = 0;
+    for (const auto &[edge, beside] : expected) {
+      EXPECT_EQ(found.edges[e], Eigen::Vector2i(edge.first, edge.second));
+      EXPECT_EQ(found.edge_faces[e], Eigen::Vector2i(beside[0], beside.size() > 1 ? beside[1] : -1));
+      ++e;
+    }
+  }
 }
 
 TEST(Mesh, ConnectedSetsAreThoseOfTheChosen) {

@@ -19,7 +19,7 @@ private:
   std::size_t index(double x, double z) const;
   void blur(std::size_t stride, int length, std::size_t next, int lines);
 
-  double x0_ = 0, z0_ = 0;
+  float x0_ = 0, z0_ = 0; ///< m
   int nx_ = 0, nz_ = 0;
   std::vector<float> cells_;
 };
@@ -39,7 +39,7 @@ private:
   float drop_; ///< m up from the eye to the floor; not below 0 = it is not seen
   FloorShadow shadow_;
   Eigen::ArrayXf ray_x_, ray_y_, ray_z_, along_, x_, z_, brightness_; ///< of a row
-  Eigen::Array<bool, Eigen::Dynamic, 1> meets_;                       ///< the floor
+  Eigen::ArrayXf meets_;                                              ///< the floor: 1; else 0
 };
 
 } // namespace doublet::detail

@@ -3,6 +3,8 @@
 
 #include "doublet/core/camera.h"
 
+#include <array>
+
 namespace doublet::detail {
 
 /// Rays of a camera, whose length along its axis is 1. Of a pinhole camera they are linear in the pixel.
@@ -20,6 +22,17 @@ public:
       return origin_ + x * dx_ + y * dy_;
     const Eigen::Vector3d direction = camera_.ray_direction({x, y});
     return (direction / camera_.R.row(2).dot(direction)).cast<float>();
+  }
+  /// Of pixels of a row, by coordinate.
+  void along(const Eigen::ArrayXf &x, float y, const std::array<Eigen::ArrayXf *, 3> &rays) const {
+    const Eigen::Vector3f start = origin_ + y * dy_;
+    for (int axis = 0; axis < 3 && !distorted_; ++axis)
+      *rays[axis] = start[axis] + dx_[axis] * x;
+    for (Eigen::Index i = 0; i < x.size() && distorted_; ++i) {
+      const Eigen::Vector3f ray = at(x[i], y);
+      for (int axis = 0; axis < 3; ++axis)
+        (*rays[axis])[i] = ray[axis];
+    }
   }
 
 private:

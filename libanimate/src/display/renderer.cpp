@@ -82,49 +82,53 @@ struct Scene {
   Mask shown;
 };
 
+/// Three numbers and an idle fourth, so that it is one register.
+using Eigen::Vector4f;
+Vector4f four(const Vector3f &v) {
+  return {v[0], v[1], v[2], 0};
+}
+
 /// A face as its pixels ask for it.
 struct Facet {
-  std::array<Vector3f, 3> shares; ///< a ray times these: how much of each corner is where it meets the face
-  std::array<Vector3f, 3> normals;
-  std::array<Vector3f, 3> colours; ///< R G B of the corners, if there is no texture
-  std::array<Eigen::Vector2f, 3> texcoords;
+  std::array<Vector4f, 3> shares; ///< times x, y, z of a ray: how much of each corner is where it meets the face
+  std::array<Vector4f, 3> normals;
+  std::array<Vector4f, 3> colours; ///< R G B of the corners, or u v if there is a texture
   const TexturePyramid *texture = nullptr;
   int level = 0;       ///< of the texture
   bool inside = false; ///< the inner side of cloth is seen
 };
 
 /// At barycentric coordinates of the corners.
-template <class Value> Value mix(const std::array<Value, 3> &values, const Vector3f &b) {
+Vector4f mix(const std::array<Vector4f, 3> &values, const Vector4f &b) {
   return b[0] * values[0] + b[1] * values[1] + b[2] * values[2];
 }
 
-class Painter {
+/// Each pixel is the mean of samples x samples of the camera's.
+template <int samples> class Painter {
 public:
-  /// `samples`: each pixel is the mean of samples x samples of the camera's.
-  Painter(const Scene &scene, const Camera &camera, int samples, const RenderOptions &options)
-      : scene_(scene), camera_(camera), samples_(samples), rays_(camera), eye_(camera.centre()), options_(options),
-        sky_(options.background.cast<float>()), light_(options.light_direction.normalized().cast<float>()),
-        seen_(rasterize_window(scene.vertices, scene.faces, camera, scene.shown)),
+  Painter(const Scene &scene, const Camera &camera, const RenderOptions &options)
+      : scene_(scene), camera_(camera), rays_(camera), eye_(camera.centre()), options_(options),
+        sky_(options.background.cast<float>()), light_(four(options.light_direction.normalized().cast<float>())),
+        seen_(rasterize_window(scene.vertices, scene.faces, camera, scene.shown, samples - 1)),
         facet_of_(static_cast<std::size_t>(scene.faces.rows()), -1) {
     detail::sum_area_vectors(scene.vertices, scene.faces, normals_, scene.shown);
   }
 
   Image picture() {
-    Image image(camera_.width / samples_, camera_.height / samples_, 3);
+    Image image(camera_.width / samples, camera_.height / samples, 3);
     std::vector<const Vertices *> meshes;
     for (const Drawn &part : scene_.parts)
       meshes.push_back(part.vertices);
     Backdrop backdrop(meshes, camera_, options_);
-    const float middle = 0.5f * static_cast<float>(samples_ - 1);
-    const int left = seen_.x / samples_, right = (seen_.x + seen_.buffer.width + samples_ - 1) / samples_;
+    const float middle = 0.5f * static_cast<float>(samples - 1);
+    // A pixel that is in part outside the window is empty: so wide is its margin.
+    const int left = (seen_.x + samples - 1) / samples, right = (seen_.x + seen_.buffer.width) / samples;
     for (int y = 0; y < image.height; ++y) {
       const Eigen::ArrayXf &behind =
-          backdrop.row(middle, static_cast<float>(samples_), static_cast<float>(samples_ * y) + middle, image.width);
-      for (int x = 0; x < image.width; ++x)
-        set_pixel(image, x, y, behind[x] * sky_);
-      if (samples_ * (y + 1) <= seen_.y || samples_ * y >= seen_.y + seen_.buffer.height)
-        continue;
-      for (int x = left; x < right; ++x)
+          backdrop.row(middle, static_cast<float>(samples), static_cast<float>(samples * y) + middle, image.width);
+      fill_row(image, y, behind);
+      const int row = samples * y - seen_.y;
+      for (int x = left; x < right && row >= 0 && row + samples <= seen_.buffer.height; ++x)
         paint(image, x, y, behind[x] * sky_);
     }
     return image;
@@ -136,38 +140,37 @@ private:
     int face, count;
     float x, y; ///< sums
   };
-  static constexpr int kMostSamples = 4;
 
   /// Samples that see one face, or faces beside it, share its colour half way between them.
   void paint(Image &image, int x, int y, const Vector3f &behind) {
-    std::array<Glimpse, kMostSamples> glimpses;
+    const int width = seen_.buffer.width,
+              *first = &seen_.buffer.face[static_cast<std::size_t>(samples * y - seen_.y) * width] + samples * x - seen_.x;
+    int all = -1;
+    for (int sample = 0; sample < samples * samples; ++sample)
+      all &= first[sample / samples * width + sample % samples];
+    if (all == -1)
+      return; // most pixels
+    std::array<Glimpse, samples * samples> glimpses;
     int kinds = 0, seen = 0;
-    for (int sy = samples_ * y; sy < samples_ * (y + 1); ++sy)
-      for (int sx = samples_ * x; sx < samples_ * (x + 1); ++sx) {
-        const int face = face_at(sx, sy);
-        if (face < 0)
-          continue;
-        ++seen;
-        int k = 0;
-        while (k < kinds && !goes_on(glimpses[k].face, face))
-          ++k;
-        if (k == kinds)
-          glimpses[kinds++] = {face, 0, 0, 0};
-        glimpses[k].x += static_cast<float>(sx), glimpses[k].y += static_cast<float>(sy), ++glimpses[k].count;
-      }
-    if (seen == 0)
-      return;
-    Vector3f sum = static_cast<float>(samples_ * samples_ - seen) * behind;
+    for (int sample = 0; sample < samples * samples; ++sample) {
+      const int sy = sample / samples, sx = sample % samples, face = first[sy * width + sx];
+      if (face < 0)
+        continue;
+      ++seen;
+      int k = 0;
+      while (k < kinds && !goes_on(glimpses[k].face, face))
+        ++k;
+      if (k == kinds)
+        glimpses[kinds++] = {face, 0, 0, 0};
+      glimpses[k].x += static_cast<float>(samples * x + sx), glimpses[k].y += static_cast<float>(samples * y + sy);
+      ++glimpses[k].count;
+    }
+    Vector3f sum = static_cast<float>(samples * samples - seen) * behind;
     for (int k = 0; k < kinds; ++k) {
       const auto count = static_cast<float>(glimpses[k].count);
       sum += count * surface(facet(glimpses[k].face), glimpses[k].x / count, glimpses[k].y / count);
     }
-    set_pixel(image, x, y, sum / static_cast<float>(samples_ * samples_));
-  }
-  int face_at(int x, int y) const {
-    x -= seen_.x, y -= seen_.y;
-    const bool within = x >= 0 && y >= 0 && x < seen_.buffer.width && y < seen_.buffer.height;
-    return within ? seen_.buffer.face_at(x, y) : -1;
+    set_pixel(image, x, y, sum / static_cast<float>(samples * samples));
   }
 
   /// Is this the same smooth surface, seen from the same side?
@@ -182,6 +185,15 @@ private:
     return facet(other).inside == inside;
   }
 
+  void fill_row(Image &image, int y, const Eigen::ArrayXf &behind) const {
+    const float blue = 255 * sky_[2], green = 255 * sky_[1], red = 255 * sky_[0]; // within [0, 255], and so is a part of them
+    std::uint8_t *at = &image.at(0, y);
+    for (int x = 0; x < image.width; ++x, at += 3) {
+      at[0] = static_cast<std::uint8_t>(behind[x] * blue + 0.5f);
+      at[1] = static_cast<std::uint8_t>(behind[x] * green + 0.5f);
+      at[2] = static_cast<std::uint8_t>(behind[x] * red + 0.5f);
+    }
+  }
   static void set_pixel(Image &image, int x, int y, const Vector3f &rgb) {
     std::uint8_t *at = &image.at(x, y);
     for (int c = 0; c < 3; ++c)
@@ -203,30 +215,33 @@ private:
     Facet facet;
     for (int k = 0; k < 3; ++k) {
       corners[k] = (scene_.vertices.row(v[k]).transpose() - eye_).cast<float>();
-      facet.normals[k] = normals_.row(v[k]).normalized().cast<float>(); // none stays none
+      facet.normals[k] = four(normals_.row(v[k]).cast<float>()).normalized(); // none stays none
     }
     // Volumes of the tetrahedra that the ray spans with each side: their shares are the coordinates.
+    Eigen::Matrix3f across;
     for (int k = 0; k < 3; ++k)
-      facet.shares[k] = corners[(k + 1) % 3].cross(corners[(k + 2) % 3]);
-    const float volume = corners[0].dot(facet.shares[0]);
+      across.row(k) = corners[(k + 1) % 3].cross(corners[(k + 2) % 3]).transpose();
+    for (int axis = 0; axis < 3; ++axis)
+      facet.shares[axis] = four(across.col(axis));
+    const float volume = across.row(0).dot(corners[0]);
     facet.inside = volume > 0;
     const Eigen::Index in_part = face - part.first_face;
     if (!part.texture) {
       for (int k = 0; k < 3; ++k)
-        facet.colours[k] = part.mesh->colours.rows() > 0
-                               ? Vector3f(part.mesh->colours.row(v[k] - part.first_vertex).cast<float>())
-                               : Vector3f(part.mesh->colour.cast<float>());
+        facet.colours[k] =
+            four(part.mesh->colours.rows() > 0 ? Vector3f(part.mesh->colours.row(v[k] - part.first_vertex).cast<float>())
+                                               : Vector3f(part.mesh->colour.cast<float>()));
       return facet;
     }
     facet.texture = part.texture.get();
     for (int k = 0; k < 3; ++k)
-      facet.texcoords[k] = part.mesh->texcoords.row(3 * in_part + k).cast<float>();
+      facet.colours[k] << part.mesh->texcoords.row(3 * in_part + k).cast<float>().transpose(), 0, 0;
     facet.level = facet.texture->level_for(texels_of(facet) / std::max(pixels_of(corners, volume), 1e-6f));
     return facet;
   }
   /// Twice the area in the texture.
   static float texels_of(const Facet &facet) {
-    const Eigen::Vector2f a = facet.texcoords[1] - facet.texcoords[0], b = facet.texcoords[2] - facet.texcoords[0];
+    const Vector4f a = facet.colours[1] - facet.colours[0], b = facet.colours[2] - facet.colours[0];
     return std::abs(a.x() * b.y() - a.y() * b.x()) * static_cast<float>(facet.texture->width()) *
            static_cast<float>(facet.texture->height());
   }
@@ -235,37 +250,34 @@ private:
     const Vector3f forward = camera_.R.row(2).cast<float>();
     const float depths = corners[0].dot(forward) * corners[1].dot(forward) * corners[2].dot(forward),
                 focal = static_cast<float>(camera_.K(0, 0) * camera_.K(1, 1));
-    return std::abs(volume) * focal / (depths * static_cast<float>(samples_ * samples_));
+    return std::abs(volume) * focal / (depths * static_cast<float>(samples * samples));
   }
 
   Vector3f surface(const Facet &facet, float x, float y) const {
     const Vector3f ray = rays_.at(x, y);
-    Vector3f b(ray.dot(facet.shares[0]), ray.dot(facet.shares[1]), ray.dot(facet.shares[2]));
-    b = (std::abs(b.sum()) < 1e-18f ? Vector3f::Constant(1.0f / 3) : Vector3f(b / b.sum())).cwiseMax(0);
-    b /= std::max(b.sum(), 1e-12f);
-    Vector3f n = mix(facet.normals, b);
-    n = (facet.inside ? -n : n).normalized();
-    if (!n.allFinite())
-      n = Vector3f::UnitY();
+    Vector4f b = ray[0] * facet.shares[0] + ray[1] * facet.shares[1] + ray[2] * facet.shares[2];
+    b = (b.sum() < 0 ? -b : b).cwiseMax(0);
+    b = b.sum() > 1e-18f ? Vector4f(b / b.sum()) : Vector4f(1.0f / 3, 1.0f / 3, 1.0f / 3, 0);
+    Vector4f n = mix(facet.normals, b);
+    const float squared = n.squaredNorm();
+    n = squared > 0 ? Vector4f(n * ((facet.inside ? -1 : 1) / std::sqrt(squared))) : Vector4f(Vector4f::UnitY());
     const auto light = static_cast<float>(options_.light);
     const float sky = 0.65f + 0.35f * n.y(), key = std::max(0.0f, n.dot(light_));
     const float shade = (1 - light) * sky * 1.6f + light * (0.35f + 0.85f * key);
     return (facet.inside ? 0.6f * shade : shade) * colour_at(facet, b);
   }
-  static Vector3f colour_at(const Facet &facet, const Vector3f &b) {
-    if (!facet.texture)
-      return mix(facet.colours, b);
-    const Eigen::Vector2f at = mix(facet.texcoords, b);
-    return facet.texture->sample(facet.level, at.x(), at.y());
+  static Vector3f colour_at(const Facet &facet, const Vector4f &b) {
+    const Vector4f at = mix(facet.colours, b);
+    return facet.texture ? facet.texture->sample(facet.level, at[0], at[1]) : Vector3f(at.head<3>());
   }
 
   const Scene &scene_;
   const Camera &camera_;
-  int samples_;
   PictureRays rays_;
   Vector3d eye_;
   const RenderOptions &options_;
-  Vector3f sky_, light_;
+  Vector3f sky_;
+  Vector4f light_;
   FaceWindow seen_;
   Vertices normals_;          ///< of the vertices, of any length
   std::vector<Facet> facets_; ///< those that are seen ...
@@ -277,9 +289,9 @@ Image picture_of(const std::vector<Drawn> &meshes, const Camera &camera, const R
   validate_camera(camera, "render");
   for (std::size_t m = 0; m < meshes.size(); ++m)
     require_mesh(*meshes[m].mesh, *meshes[m].vertices, m);
-  const int samples = options.supersample ? 2 : 1;
-  const Camera fine = camera.resized(samples * camera.width, samples * camera.height);
-  return Painter(Scene(meshes), fine, samples, options).picture();
+  if (!options.supersample)
+    return Painter<1>(Scene(meshes), camera, options).picture();
+  return Painter<2>(Scene(meshes), camera.resized(2 * camera.width, 2 * camera.height), options).picture();
 }
 
 } // namespace
