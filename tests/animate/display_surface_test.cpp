@@ -652,6 +652,24 @@ TEST(DisplaySurface, AGarmentInsideTheBodyIsLiftedOntoIt) {
   EXPECT_NEAR(radii(0.11)[0], 0.11, 1e-9); // outside it is left alone
 }
 
+TEST(DisplaySurface, NeighboursThatAreLiftedToTwoSidesStayTogether) {
+  Character c = with_capsule();
+  c.body.vertices.col(2) *= 0.25; // 2.5 cm thin: what lies in its middle is lifted by as much to either side
+  Vertices surface = c.actor.mesh.vertices;
+  for (Eigen::Index v = 0; v < surface.rows(); ++v)
+    if (c.segmentation.clothness[v] > 0)
+      surface(v, 2) = v % 2 == 0 ? 0.003 : -0.003;
+  const Vertices before = surface;
+  GarmentPenetrationFix(c).apply(c.body.vertices, surface);
+  const Vertices lifted = surface - before;
+  EXPECT_GT(lifted.rowwise().norm().maxCoeff(), 0.01);
+  for (const Eigen::Vector2i &edge : edge_topology(c.actor.mesh.faces).edges)
+    if (c.segmentation.clothness[edge[0]] > 0 && c.segmentation.clothness[edge[1]] > 0) {
+      const double length = (before.row(edge[0]) - before.row(edge[1])).norm();
+      EXPECT_LT((lifted.row(edge[0]) - lifted.row(edge[1])).norm(), 0.8 * length);
+    }
+}
+
 TEST(DisplaySurface, WhatAGarmentHangsByIsNotLifted) {
   const Character c = with_capsule();
   Vertices surface = c.actor.mesh.vertices;

@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 constexpr double kLiftAbove = 0.004;                    // m: triangles are flat where the body is round
 constexpr double kLiftReach = 0.04, kLiftSurely = 0.02; // m: how deep it may lie; up to where it is lifted all the way
 constexpr double kLiftTouches = 1e-4;                   // m, so near the way out is the body's normal
-constexpr double kLiftSlope = 0.7;                      // m less for each along the garment
+constexpr double kLiftSlope = 0.7;                      // m less for each along the garment, as it lies and as it is at rest
+constexpr double kLiftStretch = 1.8;                    // times its length at rest, up to which an edge is drawn out
 constexpr int kLiftRings = 3;                           // times over all edges
 
 /// The body's faces that the cloth collides with: of bones with a capsule, and not of arms.
@@ -48,7 +49,9 @@ GarmentPenetrationFix::GarmentPenetrationFix(const Character &c)
   const detail::Worn worn = detail::worn_garment(c.actor, c.segmentation);
   for (int v : worn.vertices)
     garment_.push_back({v, c.segmentation.clothness[v] == 0});
-  edges_ = edge_topology(worn.mesh.faces).edges;
+  const Vertices &rest = worn.mesh.vertices;
+  for (const Eigen::Vector2i &edge : edge_topology(worn.mesh.faces).edges)
+    edges_.push_back({edge[0], edge[1], (rest.row(edge[0]) - rest.row(edge[1])).norm()});
 }
 
 bool GarmentPenetrationFix::applies_to(const Character &c) {
@@ -75,18 +78,46 @@ void GarmentPenetrationFix::find_way_out(const Vertices &body, const Vertices &s
   lifted.by = std::min(1.0, (kLiftReach - at->distance) / (kLiftReach - kLiftSurely)) * (kLiftAbove - above) * out;
 }
 
+/// m, by which the ends may be lifted apart.
+double GarmentPenetrationFix::slope(const Edge &edge, const Vertices &surface) const {
+  const double length = (surface.row(garment_[edge.a].vertex) - surface.row(garment_[edge.b].vertex)).norm();
+  return kLiftSlope * std::min(length, edge.rest);
+}
+
 void GarmentPenetrationFix::take_neighbours_along(const Vertices &surface) {
   for (int ring = 0; ring < kLiftRings; ++ring)
-    for (const Eigen::Vector2i &edge : edges_) {
-      Lifted &a = garment_[edge[0]], &b = garment_[edge[1]];
+    for (const Edge &edge : edges_) {
+      Lifted &a = garment_[edge.a], &b = garment_[edge.b];
       const bool first = a.by.squaredNorm() > b.by.squaredNorm();
       const Vector3d most = first ? a.by : b.by;
       Lifted &less = first ? b : a;
       if (less.hangs || most.isZero(0))
         continue;
-      const double length = most.norm(), wanted = length - kLiftSlope * (surface.row(a.vertex) - surface.row(b.vertex)).norm();
+      const double length = most.norm(), wanted = length - slope(edge, surface);
       if (wanted > less.by.norm())
         less.by = wanted / length * most;
+    }
+}
+
+/// Where two limbs lift neighbours apart, or cloth that is stretched already, both are lifted less: the garment would be torn to
+/// a spike between them.
+void GarmentPenetrationFix::bring_neighbours_together(const Vertices &surface) {
+  for (int ring = 0; ring < kLiftRings; ++ring)
+    for (const Edge &edge : edges_) {
+      Lifted &a = garment_[edge.a], &b = garment_[edge.b];
+      const Vector3d apart = b.by - a.by;
+      if (apart.isZero(0))
+        continue;
+      const Vector3d along = surface.row(b.vertex) - surface.row(a.vertex);
+      const double length = along.norm(), longer = apart.dot(along) / length,
+                   share = std::min(slope(edge, surface) / apart.norm(),
+                                    longer > 0 ? std::max(0.0, kLiftStretch * edge.rest - length) / longer : 1.0);
+      if (!(share < 1))
+        continue;
+      const Vector3d less = (1 - share) * apart;
+      const double of_a = a.hangs ? 0 : b.hangs ? 1 : 0.5;
+      a.by += of_a * less;
+      b.by -= (1 - of_a) * less;
     }
 }
 
@@ -95,6 +126,7 @@ void GarmentPenetrationFix::apply(const Vertices &body, Vertices &surface) {
   for (Lifted &lifted : garment_)
     find_way_out(body, surface, lifted);
   take_neighbours_along(surface);
+  bring_neighbours_together(surface);
   for (const Lifted &lifted : garment_)
     surface.row(lifted.vertex) += lifted.by.transpose();
 }

@@ -7,9 +7,10 @@
 namespace doublet {
 
 /// Lifts garment vertices that lie inside the fitted body to 4 mm above it: fully from depths up to 2 cm, partly from deeper
-/// ones, not from more than 4 cm. Neighbouring vertices of the garment move along; those where it is attached stay. Needed
-/// because the capsules that the simulated cloth collides with are simpler than a body, most of all where it bends. Arms, and
-/// bones without a capsule, lift nothing. Affects only what is drawn.
+/// ones, not from more than 4 cm. Neighbouring vertices of the garment move along, and two that are lifted apart, as in a groin,
+/// are both lifted less, so that an edge grows by at most 0.7 times its length; vertices where the garment is attached stay.
+/// Needed because the capsules that the simulated cloth collides with are simpler than a body, most of all where it bends. Arms,
+/// and bones without a capsule, lift nothing. Affects only what is drawn.
 class GarmentPenetrationFix {
 public:
   /// True if the character has a garment with a mesh of its own, and a body with faces that can lift it.
@@ -26,11 +27,18 @@ private:
     int last = -1;                                ///< the face of the body that was closest before; -1 = none
     Eigen::Vector3d by = Eigen::Vector3d::Zero(); ///< m
   };
+  /// Between two of garment_.
+  struct Edge {
+    int a, b;
+    double rest; ///< m
+  };
+  double slope(const Edge &edge, const Vertices &surface) const;
   void find_way_out(const Vertices &body, const Vertices &surface, Lifted &lifted) const;
   void take_neighbours_along(const Vertices &surface);
+  void bring_neighbours_together(const Vertices &surface);
 
   std::vector<Lifted> garment_;
-  std::vector<Eigen::Vector2i> edges_; ///< between them
+  std::vector<Edge> edges_;
   Faces body_faces_;
   MovingSurface body_;
 };
