@@ -156,10 +156,13 @@ MeshReport report_mesh(const Mesh &mesh) {
   return r;
 }
 
+/// As MeshReport::usable() has it, without the rest of a report.
 void require_usable(const Mesh &mesh, const std::string &what) {
-  const MeshReport r = report_mesh(mesh);
-  if (!r.usable())
-    throw Error(what + ": expected a mesh with faces, finite vertices and corners in range, found " + r.to_string());
+  const bool usable = mesh.faces.rows() > 0 && mesh.vertices.rows() > 0 && mesh.vertices.allFinite() &&
+                      mesh.faces.minCoeff() >= 0 && mesh.faces.maxCoeff() < mesh.vertices.rows();
+  if (!usable)
+    throw Error(what + ": expected a mesh with faces, finite vertices and corners in range, found " +
+                report_mesh(mesh).to_string());
 }
 
 Vertices face_normals(const Vertices &vertices, const Faces &faces) {

@@ -109,6 +109,26 @@ TEST(Mesh, EdgesNeighboursComponents) {
   EXPECT_NEAR(mean_edge_length(two.vertices, two.faces), (4 + std::sqrt(2.0)) / 5, 1e-12);
 }
 
+TEST(Mesh, EveryUnusableMeshIsRefusedByWhatItsReportSays) {
+  const Mesh good = testing::grid(1, 1, 4, 4);
+  require_usable(good, "scan.ply");
+  for (int fault = 0; fault < 5; ++fault) {
+    Mesh mesh = good;
+    if (fault == 0)
+      mesh.vertices(7, 2) = std::numeric_limits<double>::infinity();
+    else if (fault == 1)
+      mesh.faces(5, 1) = -1;
+    else if (fault == 2)
+      mesh.faces(5, 1) = static_cast<int>(mesh.vertices.rows());
+    else if (fault == 3)
+      mesh.faces.resize(0, 3);
+    else
+      mesh = {};
+    EXPECT_FALSE(report_mesh(mesh).usable()) << fault;
+    EXPECT_THROW(require_usable(mesh, "scan.ply"), Error) << fault;
+  }
+}
+
 TEST(Mesh, EdgesOfAnyFacesAreSortedWithTheirFirstTwoFaces) {
   std::mt19937 random(3);
   const std::vector<int> odd{0, INT_MAX, INT_MIN}; // added to one vertex: what no mesh has

@@ -122,12 +122,12 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c) : faces_(detail::garm
   const auto neighbours = vertex_neighbours(faces_, static_cast<int>(cloth.rows()));
   const Eigen::ArrayXd from_seam = edge_distances(cloth, neighbours, seam), from_hem = edge_distances(cloth, neighbours, hem);
   for (int limb = 0; limb < of_skin.cols(); ++limb)
-    add_sheet(cloth, of_skin.col(limb).tail(cloth.rows()), edges);
+    add_sheet(cloth, of_skin.col(limb).tail(cloth.rows()), topology, edges);
   depths_ = (kDeepAtSeam + kDeepBend * from_seam.square()).min(kDeepAtHem + kDeepPerWay * from_hem).min(kDeep);
 }
 
 /// The faces of the garment that are over a limb, by its share of their corners' skin weights.
-void SkinPenetrationFix::add_sheet(const Vertices &cloth, const Eigen::VectorXd &share,
+void SkinPenetrationFix::add_sheet(const Vertices &cloth, const Eigen::VectorXd &share, const EdgeTopology &topology,
                                    const std::vector<std::array<Edge, 3>> &edges) {
   Mask over(faces_.rows());
   for (Eigen::Index f = 0; f < faces_.rows(); ++f)
@@ -137,7 +137,6 @@ void SkinPenetrationFix::add_sheet(const Vertices &cloth, const Eigen::VectorXd 
     return;
   sheet.surface.emplace(Mesh{cloth, faces_}, over);
   sheet.edges = edges;
-  const EdgeTopology topology = edge_topology(faces_);
   for (std::size_t e = 0; e < topology.edges.size(); ++e)
     for (int side = 0; side < 2; ++side) {
       const int f = topology.edge_faces[e][side], other = topology.edge_faces[e][1 - side];

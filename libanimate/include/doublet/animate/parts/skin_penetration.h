@@ -55,7 +55,8 @@ private:
     std::optional<MovingSurface> surface;
     std::vector<std::array<Edge, 3>> edges; ///< (F) opposite each corner
   };
-  void add_sheet(const Vertices &cloth, const Eigen::VectorXd &share, const std::vector<std::array<Edge, 3>> &edges);
+  void add_sheet(const Vertices &cloth, const Eigen::VectorXd &share, const EdgeTopology &topology,
+                 const std::vector<std::array<Edge, 3>> &edges);
   Beside beside(const Sheet &sheet, const Eigen::Vector3d &point, const Vertices &normals, Cover cover,
                 const Eigen::Vector3d &own, int &last) const;
   void find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const;
