@@ -23,8 +23,10 @@ constexpr double kLongestStep = 1; // s
 constexpr double kMostGravity = 1000;
 // A held pose: all joints slower than this, for longer than kHeldAfter; then the damping grows for kRestGrows.
 constexpr double kStill = 0.02, kHeldAfter = 0.25, kRestGrows = 1; // m/s, s, s
-// Cloth that moves no faster than this then, on average over its vertices, stops within kStops.
-constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
+// Cloth that moves no faster than this then, on average over its vertices, stops within kStops; each second later it may be
+// faster by kImpatient, because cloth that is pressed into a groin or an armpit by proxies that overlap would shake there for
+// good.
+constexpr double kAlmostStill = 0.03, kStops = 0.5, kImpatient = 0.1; // m/s, s, m/s^2
 // A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
 // In motion it is looked at now and then: cloth that is caught twice in a row does not come loose by itself. It is seen for less
@@ -182,7 +184,8 @@ struct Player::Playing {
     if (share > 0)
       for (pbd::ClothState &cloth : state.regions)
         cloth.velocities *= std::exp(-share * shared.options.rest_damping * seconds);
-    const bool almost_still = share == 1 && shared.options.rest_damping > 0 && cloth_way() / seconds < kAlmostStill;
+    const double still = kAlmostStill + kImpatient * std::max(0.0, held_seconds - kHeldAfter - kRestGrows);
+    const bool almost_still = share == 1 && shared.options.rest_damping > 0 && cloth_way() / seconds < still;
     slow_seconds = almost_still ? slow_seconds + seconds : 0;
     if (slow_seconds > 0)
       stop(std::max(0.0, 1 - slow_seconds / kStops));

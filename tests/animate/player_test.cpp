@@ -618,6 +618,42 @@ TEST(Player, ClothAtRestStaysUntilSomethingChanges) {
   EXPECT_EQ(player.frame().surface, there);
 }
 
+namespace {
+
+/// Cloth that goes to and fro by `way` (m) from frame to frame, as between contacts that never agree.
+class Trembling : public pbd::ClothSolver {
+public:
+  Trembling(std::shared_ptr<const pbd::ClothModel> model, double way) : ClothSolver(std::move(model)), way_(way) {}
+
+private:
+  std::vector<int> advance(std::span<pbd::ClothState> states, std::span<const pbd::StepInputs>, std::span<const pbd::Material>,
+                           int) const override {
+    for (pbd::ClothState &state : states)
+      state.positions.col(0).array() += frame_++ % 2 == 0 ? way_ : -way_;
+    return {};
+  }
+  double way_;
+  mutable int frame_ = 0;
+};
+
+} // namespace
+
+TEST(Player, ClothThatTremblesStopsTheLaterTheFasterItIs) {
+  const auto moves_after = [](double seconds, double way) {
+    Player player(figure(), cloth_alone(), [way](auto model) { return std::make_shared<Trembling>(std::move(model), way); });
+    const Eigen::VectorXd pose = march().row(0);
+    player.reset(pose);
+    for (int t = 0; t < std::lround(40 * seconds); ++t)
+      player.step(pose);
+    const Vertices before = player.frame().surface;
+    return (player.step(pose).surface - before).cwiseAbs().maxCoeff() > 0;
+  };
+  EXPECT_FALSE(moves_after(2.0, 0.0005)); // 2 cm/s
+  EXPECT_TRUE(moves_after(1.5, 0.002));   // 8 cm/s
+  EXPECT_FALSE(moves_after(2.6, 0.002));
+  EXPECT_TRUE(moves_after(3.5, 0.01)); // 40 cm/s, as cloth that falls
+}
+
 TEST(Player, WindKeepsClothFromRest) {
   const Eigen::Vector3d wind(0, 0, 2);
   EXPECT_EQ(held(6, wind).frame().surface, held(0, wind).frame().surface);
