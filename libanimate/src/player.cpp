@@ -30,7 +30,7 @@ constexpr double kAlmostStill = 0.03, kStops = 0.5, kImpatient = 0.1; // m/s, s,
 // A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
 // In motion it is looked at now and then: cloth that is caught twice in a row does not come loose by itself. It is seen for less
-// time then, since what goes along with limbs that move apart is drawn out between them.
+// time then, for motion hides the change.
 constexpr double kWatchEvery = 0.5, kFreedInMotion = 0.1; // s
 
 const Character &checked(const Character &character) {
@@ -154,10 +154,11 @@ struct Player::Playing {
       for (double *share : {&material.k_friction, &material.k_damping})
         *share = frames == 1 ? *share : 1 - std::pow(1 - *share, frames);
   }
-  /// After a piece of a step of so many seconds.
-  void arrive(const Shared &shared, double seconds) {
+  /// After a piece of a step.
+  void arrive(const Shared &shared, const Cut &cut) {
+    const double seconds = cut.seconds;
     come_to_rest(shared, seconds);
-    carry_caught(shared, seconds);
+    go_on_with_caught(shared, cut);
     std::swap(posed, next);
     if (shared.options.redrape_when_tangled && !looked && held_seconds >= kCaughtAfter)
       redrape_when_tangled(shared, seconds, kFreed);
@@ -233,23 +234,17 @@ struct Player::Playing {
       state.regions[r].velocities = (posed.skinned(vertices, Eigen::all) - next.skinned(vertices, Eigen::all)) / seconds;
     }
   }
-  /// What was caught goes along until it is no longer seen.
-  void carry_caught(const Shared &shared, double seconds) {
-    if (caught_seconds > 0)
-      move_with_skin(shared, caught);
-    caught_seconds = std::max(0.0, caught_seconds - seconds);
-  }
-  /// From one pose to the next, with what is turned as the root is and goes as its skin does: a sleeve stays on its arm.
-  void move_with_skin(const Shared &shared, CharacterState &cloth) const {
-    const Eigen::Matrix3d turn = (next.world_from_rest[0] * posed.world_from_rest[0].inverse()).linear();
-    for (std::size_t r = 0; r < cloth.regions.size(); ++r) {
-      const std::vector<int> &vertices = shared.simulator.regions()[r].vertex_from_cloth;
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        auto x = cloth.regions[r].positions.row(static_cast<Eigen::Index>(i));
-        const Eigen::Vector3d offset = x - posed.skinned.row(vertices[i]);
-        x = next.skinned.row(vertices[i]) + (turn * offset).transpose();
-      }
+  /// What was caught is simulated until it is no longer seen.
+  void go_on_with_caught(const Shared &shared, const Cut &cut) {
+    if (caught_seconds > 0) {
+      CharacterState *const states[] = {&caught};
+      const PosedFrame *const from[] = {&posed}, *const to[] = {&next};
+      const std::vector<pbd::Material> *const of[] = {&step_materials};
+      const StepEnvironment worlds[] = {environment(cut)};
+      if (!shared.simulator.step_batch(states, from, to, of, worlds, 1).empty())
+        caught_seconds = 0; // not finite
     }
+    caught_seconds = std::max(0.0, caught_seconds - cut.seconds);
   }
   void draw_surface(const Shared &shared) {
     shared.simulator.surface(state, posed, frame.surface);
@@ -375,7 +370,7 @@ const AnimationFrame &Player::step(const Eigen::VectorXd &dofs, double seconds) 
   for (int i = 0; i < cut.count; ++i) {
     p.aim(*shared_, dofs, cut, i);
     shared_->simulator.step(p.state, p.posed, p.next, p.step_materials, p.environment(cut), p.buffers);
-    p.arrive(*shared_, cut.seconds);
+    p.arrive(*shared_, cut);
   }
   p.show(*shared_, dofs, p.frame.index + 1);
   return p.frame;
@@ -504,7 +499,7 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
     std::vector<int> going_on;
     for (std::size_t k = 0; k < moving.size(); ++k)
       if (!failed[k]) {
-        players[moving[k]]->playing_->arrive(shared, cut.seconds);
+        players[moving[k]]->playing_->arrive(shared, cut);
         going_on.push_back(moving[k]);
       }
     moving.swap(going_on);

@@ -465,7 +465,7 @@ double drawn_off(const Player &player) {
   const Vertices drawn = player.frame().surface(simulator.regions()[0].vertex_from_cloth, Eigen::all);
   return (drawn - player.state().regions[0].positions).rowwise().norm().maxCoeff();
 }
-/// What was caught is drawn on for a tenth of a second: between limbs that move apart it would be drawn out.
+/// What was caught is drawn on for a tenth of a second.
 TEST(Player, ClothWithABoneThroughItIsPutOnAnewInMotion) {
   Player freed = slanted(true), left = slanted(false);
   const MatrixRM dofs = march(101);
@@ -480,6 +480,27 @@ TEST(Player, ClothWithABoneThroughItIsPutOnAnewInMotion) {
   EXPECT_LE(late.size(), 4u); // frames of 1/40 s
   EXPECT_EQ(piercing(freed), 0);
   EXPECT_GE(piercing(left), 1);
+}
+/// It goes on as cloth, in the place of with its skin: legs that move apart would draw it out.
+TEST(Player, ClothThatIsPutOnAnewInMotionIsNotDrawnOut) {
+  Player player = slanted(true);
+  const Skeleton &skeleton = figure().actor.skeleton;
+  const int left = skeleton.joints[skeleton.find("l_hip")].first_dof, right = skeleton.joints[skeleton.find("r_hip")].first_dof;
+  const CharacterSimulator simulator(figure().actor, figure().segmentation, {});
+  const auto drawn = [&]() -> Vertices { return player.frame().surface(simulator.regions()[0].vertex_from_cloth, Eigen::all); };
+  const MatrixRM dofs = march(101);
+  int t = 0;
+  while (drawn_off(player) < 1e-6 && t < 60)
+    player.step(dofs.row(++t));
+  ASSERT_LT(t, 60);
+  const double before = longest(player, drawn());
+  Eigen::VectorXd pose = dofs.row(t);
+  for (int k = 0; k < 4; ++k) {
+    pose[left] -= 0.2; // 8 rad/s
+    pose[right] += 0.2;
+    player.step(pose);
+    EXPECT_LT(longest(player, drawn()), std::max(before, longest(player, player.state().regions[0].positions)) + 0.1) << k;
+  }
 }
 /// A thigh that is raised in a jump comes out through the skirt; in the pose before that the cloth had been looked at.
 TEST(Player, CaughtClothIsLookedForAgainAfterATeleport) {
