@@ -454,6 +454,9 @@ private:
   Class<T> class_;
 };
 
+/// Classes of the module say which function makes an object, to who calls a class without a constructor or gives another object.
+void name_makers(const py::module_ &m);
+
 void bind_core(py::module_ &m);
 void bind_rays(py::module_ &m);
 void bind_files(py::module_ &m);

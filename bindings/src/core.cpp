@@ -75,6 +75,29 @@ Transforms as_transforms(const py::array_t<double, py::array::c_style | py::arra
   return result;
 }
 
+py::object makers() {
+  return py::module_::import("doublet.common.makers");
+}
+
+/// tp_init of a class without a constructor, in the place of pybind11's "No constructor defined!".
+int refuse_to_construct(PyObject *self, PyObject *, PyObject *) {
+  try {
+    const py::object said = makers().attr("no_constructor")(py::type::of(self));
+    PyErr_SetObject(PyExc_TypeError, said.ptr());
+  } catch (py::error_already_set &error) {
+    error.restore();
+  }
+  return -1;
+}
+
+/// Asked by pybind11 for an object that is no `wanted`: throws TypeError if a function makes one of it; else converts nothing.
+PyObject *refuse_other_class(PyObject *given, PyTypeObject *wanted) {
+  const auto said = makers().attr("other_class")(py::handle(given), py::handle(reinterpret_cast<PyObject *>(wanted)));
+  if (py::len(said) > 0)
+    throw py::type_error(said.cast<std::string>());
+  return nullptr;
+}
+
 void bind_errors(py::module_ &m) {
   static py::exception<Error> error(m, "Error", PyExc_RuntimeError);
   py::register_exception_translator([](std::exception_ptr pointer) {
@@ -471,6 +494,18 @@ Context interruptible_context() {
   Context context;
   context.cancelled = interrupted;
   return context;
+}
+
+void name_makers(const py::module_ &m) {
+  const initproc without = reinterpret_cast<PyTypeObject *>(py::detail::get_internals().instance_base)->tp_init;
+  for (const auto &item : py::reinterpret_borrow<py::dict>(m.attr("__dict__"))) {
+    const auto *bound = PyType_Check(item.second.ptr()) ? py::detail::get_type_info((PyTypeObject *)item.second.ptr()) : nullptr;
+    if (!bound)
+      continue;
+    if (bound->type->tp_init == without)
+      bound->type->tp_init = refuse_to_construct;
+    const_cast<py::detail::type_info *>(bound)->implicit_conversions.push_back(&refuse_other_class);
+  }
 }
 
 void bind_core(py::module_ &m) {

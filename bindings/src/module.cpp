@@ -38,4 +38,5 @@ PYBIND11_MODULE(_doublet, m) {
 #ifdef DOUBLET_WITH_RECONSTRUCT
   bind_reconstruct(m);
 #endif
+  name_makers(m);
 }
