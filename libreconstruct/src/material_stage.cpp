@@ -72,7 +72,7 @@ void fit_together(const std::vector<Reconstruction *> &reconstructions) {
     if (&each != &first)
       std::filesystem::copy_file(fit.log, each.path("fit_log.csv"), std::filesystem::copy_options::overwrite_existing);
     each.results().forget();
-    each.record().end(stage.name, summary.dump(), stage.writes);
+    each.record().end(stage.name, detail::text_of(summary), stage.writes);
   }
 }
 

@@ -74,7 +74,7 @@ std::vector<Finding> quality_findings(const std::string &stage, const std::strin
 }
 
 std::string findings_to_json(const std::vector<Finding> &findings) {
-  return detail::to_json(findings).dump();
+  return detail::text_of(detail::to_json(findings));
 }
 
 } // namespace doublet

@@ -200,12 +200,13 @@ void Reconstruction::begin(bool needs_scan) {
   std::filesystem::create_directories(out_);
   *logging_ = true;
   RunRecord &run = record();
-  run.set("session", Json(session().folder.string()).dump());
+  run.set("session", detail::text_of(session().folder.string()));
   run.set("seed", Json(options.seed).dump());
   run.set("threads", Json(context_.threads).dump());
   const bool configured = !options.configuration.empty();
-  run.set("config",
-          configured ? Json{{"file", options.configuration.string()}, {"hash", run.hash(options.configuration)}}.dump() : "null");
+  run.set("config", configured
+                        ? detail::text_of({{"file", options.configuration.string()}, {"hash", run.hash(options.configuration)}})
+                        : "null");
   run.save();
 }
 
@@ -336,7 +337,7 @@ StageBasis Reconstruction::basis_of(const Stage &stage) {
     listed["fps"] = rate_of(options, session());
   if (!stage.runner.empty()) // its results are not those of ours
     listed["run"] = stage.runner;
-  basis.options = listed.dump();
+  basis.options = detail::text_of(listed);
   return basis;
 }
 

@@ -58,7 +58,7 @@ std::string shown(const Json &object, const std::string &name) {
   if (!object.contains(name))
     return "none";
   const Json &value = object.at(name);
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>() : detail::text_of(value);
 }
 
 /// The first member that the one has and the other has not, or has otherwise; those of `one` first.
@@ -144,7 +144,7 @@ void RunRecord::Data::read_again(const std::string &own) {
 
 void RunRecord::Data::save(const std::string &own) {
   read_again(own);
-  write_text(file(), json.dump(1) + "\n");
+  write_text(file(), detail::text_of(json, 1) + "\n");
 }
 
 RunRecord::RunRecord(Path out) : data_(std::make_unique<Data>()) {
@@ -161,7 +161,7 @@ Path RunRecord::path() const {
 }
 
 std::string RunRecord::json() const {
-  return data_->json.dump();
+  return detail::text_of(data_->json);
 }
 
 void RunRecord::set(const std::string &name, const std::string &value) {
@@ -190,7 +190,7 @@ const std::string &RunRecord::hash(const Path &path) {
 
 std::string RunRecord::summary(const std::string &stage) const {
   const Json *entry = data_->entry(stage);
-  return entry ? entry->value("summary", Json::object()).dump() : "{}";
+  return entry ? detail::text_of(entry->value("summary", Json::object())) : "{}";
 }
 
 bool RunRecord::is_done(const std::string &stage) const {

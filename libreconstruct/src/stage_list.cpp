@@ -10,7 +10,7 @@ namespace doublet {
 namespace {
 
 Stage::Run as_text(detail::Json (*run)(Reconstruction &)) {
-  return [run](Reconstruction &reconstruction) { return run(reconstruction).dump(); };
+  return [run](Reconstruction &reconstruction) { return detail::text_of(run(reconstruction)); };
 }
 
 } // namespace

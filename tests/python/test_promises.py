@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import json
+import os
 import pydoc
 import re
 import signal
@@ -18,6 +19,7 @@ from doublet import _doublet, reconstruct, testing
 from doublet._lazy import DEPRECATED_MODULES
 from doublet.cli.program import build_parser
 from doublet.common.console import Console
+from doublet.export.usd import write_usdc
 from doublet.pages.fit_page import sections
 
 ROOT = Path(__file__).parents[2]
@@ -337,3 +339,25 @@ def test_an_option_that_is_none_is_refused_among_folders(capsys):
     with pytest.raises(SystemExit):
         build_parser().parse_args(["fit", "--threads", "2"])
     assert capsys.readouterr().err.endswith("the following arguments are required: OUT\n")
+
+
+def test_names_of_files_may_be_any_bytes(world, tmp_path):
+    """Latin 1, of an old disk."""
+    base = tmp_path / os.fsdecode(b"H\xfclle")
+    write_session(base / "session", world)
+    for ran in (True, False):
+        job = d.Reconstruction(base / "session", base / "out")
+        job.options.configuration = base / "session" / "session.json"
+        job.stages = [d.Stage("own", in_python, writes=["own.txt"], session_inputs=["images"], needs_scan=False)]
+        assert job.run(["own"]) == ran
+    assert "H\ufffdlle" in job.record.data["session"]
+    with pytest.raises(RuntimeError, match=r"expected the session's name in UTF-8, .*; give it with --session"):
+        reconstruct.recorded_session(base / "out")
+    with pytest.raises(FileNotFoundError, match="no such file"):
+        d.read_mesh(base / "none.ply")
+    with pytest.raises(ValueError, match="expected a path in UTF-8, which USD needs"):
+        write_usdc(base / "dance.usdc", world.character, world.motion)
+
+
+def in_python(job):
+    job.path("own.txt").write_text("own")

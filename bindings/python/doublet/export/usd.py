@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -198,6 +199,15 @@ class Stage:
             raise RuntimeError(f"{out}: cannot be written: {said[0]}") from error
 
 
+def require_utf8(path: Path) -> None:
+    """Of names in other bytes USD knows nothing."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        shown = os.fsencode(path).decode(errors="replace")
+        raise ValueError(f"{shown}: expected a path in UTF-8, which USD needs, found other bytes; choose another") from None
+
+
 def write_usdc(
     out: Path,
     character: d.Character,
@@ -211,6 +221,7 @@ def write_usdc(
     or empty = its own. Returns the number of frames."""
     usd_modules()
     out, texture, options = Path(out), "", options or d.AnimateOptions()
+    require_utf8(out)
     if len(character.texture) and len(character.high.faces) and options.high:
         texture = texture_path(out, character).name
     with written_atomically(out) as beside:

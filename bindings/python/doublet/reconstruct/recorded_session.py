@@ -15,4 +15,6 @@ def recorded_session(out: Path) -> Path:
         raise RuntimeError(f"{path}: expected an object with 'session', a folder, found another; delete it to start afresh")
     if "session" not in record:
         raise FileNotFoundError(f"{path} does not name a session; give it with --session")
+    if "\ufffd" in record["session"]:
+        raise RuntimeError(f"{path}: expected the session's name in UTF-8, found '{record['session']}'; give it with --session")
     return Path(record["session"])
