@@ -173,10 +173,12 @@ void bind_options(py::module_ &m) {
 void bind_stage(py::module_ &m) {
   Class<Stage>(m, "Stage", "A stage: it reads and writes files in the folder of a reconstruction.")
       .def(py::init([](std::string name, const py::function &run, std::vector<std::string> reads, std::vector<std::string> writes,
-                       std::vector<std::string> may_read, std::vector<std::string> option_groups,
-                       std::vector<std::string> session_inputs, bool needs_scan, const std::optional<std::string> &runner) {
+                       std::vector<std::string> may_read, std::vector<std::string> may_write,
+                       std::vector<std::string> option_groups, std::vector<std::string> session_inputs, bool needs_scan,
+                       const std::optional<std::string> &runner) {
              Stage stage{.name = std::move(name), .reads = std::move(reads), .writes = std::move(writes)};
              stage.may_read = std::move(may_read);
+             stage.may_write = std::move(may_write);
              stage.option_groups = std::move(option_groups);
              stage.session_inputs = std::move(session_inputs);
              stage.needs_scan = needs_scan;
@@ -186,13 +188,16 @@ void bind_stage(py::module_ &m) {
            }),
            py::arg("name"), py::arg("run"), py::kw_only(), py::arg("reads") = std::vector<std::string>{},
            py::arg("writes") = std::vector<std::string>{}, py::arg("may_read") = std::vector<std::string>{},
-           py::arg("option_groups") = std::vector<std::string>{}, py::arg("session_inputs") = std::vector<std::string>{},
-           py::arg("needs_scan") = true, py::arg("runner") = py::none(),
-           "run(reconstruction) does the work and returns numbers worth recording, or None. runner: its name, for the record.")
+           py::arg("may_write") = std::vector<std::string>{}, py::arg("option_groups") = std::vector<std::string>{},
+           py::arg("session_inputs") = std::vector<std::string>{}, py::arg("needs_scan") = true, py::arg("runner") = py::none(),
+           "run(reconstruction) does the work and returns numbers worth recording, or None. runner: its name, for the record; by "
+           "default its own, and a hash of its code and of what it holds.")
       .def_readonly("name", &Stage::name, "of the stage")
       .def_readonly("reads", &Stage::reads, "files of the folder")
       .def_readonly("writes", &Stage::writes, "files of the folder")
       .def_readonly("may_read", &Stage::may_read, "optional inputs: files of the folder that are read if they exist")
+      .def_readonly("may_write", &Stage::may_write,
+                    "optional outputs: files of the folder that not every run writes; a run removes those of the last")
       .def_readonly("continues_from", &Stage::continues_from, "files of the folder from which an interrupted stage resumes")
       .def_readonly("option_groups", &Stage::option_groups, "groups that its results depend on")
       .def_readonly("session_inputs", &Stage::session_inputs,

@@ -79,11 +79,9 @@ std::string refinement_text(const std::vector<RefinedCamera> &cameras, const Pat
 
 /// calibration.yml, which all later stages go by; none if the session's calibration is as good.
 void write_refined_cameras(Reconstruction &reconstruction, const CaptureResult &result) {
-  const Path file = reconstruction.path(kRefinedCalibration);
-  if (!result.summary.cameras_refined) {
-    std::filesystem::remove(file);
+  if (!result.summary.cameras_refined)
     return;
-  }
+  const Path file = reconstruction.path(kRefinedCalibration);
   const Session session = filmed(reconstruction.session(), result);
   std::vector<CalibratedCamera> cameras;
   for (std::size_t i = 0; i < session.cameras.size(); ++i)

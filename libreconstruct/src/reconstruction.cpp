@@ -68,6 +68,34 @@ void list_film(const Session &session, const std::function<std::string(const Pat
   }
 }
 
+/// Files of an earlier run that a run of the stage need not write: set aside, and brought back if it does not come to its end.
+class FormerFiles {
+public:
+  FormerFiles(const Path &out, const std::vector<std::string> &names) {
+    for (const std::string &name : names)
+      if (std::filesystem::exists(out / name)) {
+        files_.push_back(out / name);
+        std::filesystem::rename(out / name, aside(out / name));
+      }
+  }
+  FormerFiles(const FormerFiles &) = delete;
+  FormerFiles &operator=(const FormerFiles &) = delete;
+  ~FormerFiles() {
+    std::error_code gone;
+    for (const Path &file : files_)
+      std::filesystem::rename(aside(file), file, gone);
+  }
+  void forget() {
+    for (const Path &file : files_)
+      std::filesystem::remove(aside(file));
+    files_.clear();
+  }
+
+private:
+  std::vector<Path> files_;
+  static Path aside(const Path &file) { return file.string() + ".before"; }
+};
+
 } // namespace
 
 Stage &detail::stage_named(std::vector<Stage> &stages, const std::string &name) {
@@ -272,8 +300,10 @@ void Reconstruction::compute(const Stage &stage, const StageBasis &basis, const 
   context_.log_line("== " + stage.name);
   record().begin(stage.name, basis);
   std::string summary;
+  FormerFiles former(out_, stage.may_write);
   try {
     summary = stage.run(*this);
+    former.forget();
   } catch (...) {
     try {
       record().stop(stage.name, stage.writes);

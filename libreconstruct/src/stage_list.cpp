@@ -37,6 +37,7 @@ std::vector<Stage> default_stages() {
       {.name = "performance",
        .reads = {"actor.npz"},
        .writes = {"performance.npz", "observations.npz"},
+       .may_write = {kRefinedCalibration},
        .continues_from = {kCaptureCheckpoint},
        .option_groups = {"silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface",
                          "calibration"},

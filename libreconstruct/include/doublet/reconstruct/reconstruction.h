@@ -37,8 +37,9 @@ struct Stage {
   std::string name;
   std::vector<std::string> reads = {}, writes = {}; ///< files of the folder
   std::vector<std::string> may_read = {};           ///< optional inputs: files of the folder that are read if they exist
-  std::vector<std::string> continues_from = {};     ///< files of the folder from which an interrupted stage resumes
-  std::vector<std::string> option_groups = {};      ///< groups that its results depend on, see for_each_group()
+  std::vector<std::string> may_write = {}; ///< files of the folder that not every run writes; a run removes those of the last
+  std::vector<std::string> continues_from = {}; ///< files of the folder from which an interrupted stage resumes
+  std::vector<std::string> option_groups = {};  ///< groups that its results depend on, see for_each_group()
   /// Inputs from the session: "scan", "calibration", "joints", "keypoints", "images"; "description" = all of session.json; "name"
   /// and "scan_from_views" = only these values of it.
   std::vector<std::string> session_inputs = {};
