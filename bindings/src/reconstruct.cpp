@@ -40,12 +40,9 @@ Stage::Run run_from(const py::function &function) {
   };
 }
 
-/// "package.module.function": whose work it is, for the record.
+/// Whose work it is, for the record.
 std::string runner_of(const py::function &function) {
-  py::object named = function;
-  if (!py::hasattr(named, "__qualname__")) // an object that is called
-    named = py::type::of(function);
-  return py::str("{}.{}").format(named.attr("__module__"), named.attr("__qualname__"));
+  return py::module_::import("doublet.common.function_identity").attr("function_identity")(function).cast<std::string>();
 }
 
 /// visit(options) of the group of that name.
@@ -240,7 +237,7 @@ void bind_reconstruct(py::module_ &m) {
           },
           py::arg("stage"), py::arg("run"), py::arg("runner") = py::none(),
           "Replaces the implementation of a stage by run(reconstruction), which returns numbers for run.json; it must write the "
-          "same files. runner: its name, for the record.")
+          "same files. runner: its name, for the record; by default its own, and a hash of its code and of what it holds.")
       .def("run", &Reconstruction::run, py::arg("names"), py::arg("force") = false, Release(),
            "Runs the named stages unless they are up to date. Returns whether any ran.")
       .def("run_all", &Reconstruction::run_all, py::arg("force") = false, Release(),

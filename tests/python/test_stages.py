@@ -1,5 +1,8 @@
 """A stage of one's own in the place of one of ours, and the record of what ran."""
 
+import subprocess
+import sys
+from functools import partial
 from types import SimpleNamespace
 
 import doublet as d
@@ -54,8 +57,84 @@ def test_a_stage_takes_the_place_of_ours(make_job):
     assert not job.run(["segment"])
     assert job.results.segmentation().region_count == 1
     assert job.record.summary("segment") == {"regions": 1, "areas": [0.5, 1.0]}
-    assert job.record.data["stages"]["segment"]["options"]["run"] == f"{__name__}.everything_is_cloth"
+    assert job.record.data["stages"]["segment"]["options"]["run"].startswith(f"{__name__}.everything_is_cloth ")
     assert make_job().run(["segment"]) and job.results.segmentation().region_count == 0
+
+
+def of_width(width):
+    return lambda job: everything_is_cloth(job) | {"width": width}
+
+
+class OfWidth:
+    def __init__(self, width):
+        self.width = width
+
+    def __call__(self, job):
+        return everything_is_cloth(job) | {"width": self.width}
+
+    def run(self, job):
+        return self(job)
+
+
+MADE = {
+    "lambdas": of_width,
+    "partials": lambda width: partial(lambda width, job: everything_is_cloth(job) | {"width": width}, width),
+    "objects": OfWidth,
+    "methods": lambda width: OfWidth(width).run,
+    "arrays": lambda width: of_width(np.full(3, width)),
+    "edited": lambda width: eval(f"lambda job: everything_is_cloth(job) | {{'width': {width}}}", globals()),
+}
+
+
+@pytest.mark.parametrize("made", MADE.values(), ids=MADE)
+def test_functions_of_one_name_are_told_apart(make_job, made):
+    def runs(width) -> bool:
+        job = make_job()
+        job.replace("segment", made(width))
+        return job.run(["segment"])
+
+    assert runs(1) and not runs(1)
+    assert runs(2), "the results of one function stand for those of another"
+    assert not runs(2)
+
+
+def test_a_function_is_the_same_in_every_process():
+    """Sets have another order there, objects are elsewhere, and the function may be on another line."""
+    script = "from doublet import Stage\n{}print(Stage('a', lambda job, k={{'a', 'b', 'c'}}: job in {{'d', 'e', 'f'}}).runner)"
+    found = {subprocess.check_output([sys.executable, "-c", script.format(lines)]) for lines in ("", "\n", "\n\n")}
+    assert len(found) == 1
+
+
+def test_a_function_that_cannot_be_told_apart_needs_a_name(make_job, tmp_path):
+    with (tmp_path / "held").open("w") as held:
+        with pytest.raises(TypeError, match=r"<lambda> cannot be told from another .*; give it a name of its own, runner='...'"):
+            make_job().replace("segment", lambda job: held)
+        make_job().replace("segment", lambda job: held, runner="mine")
+
+
+def test_refined_cameras_are_of_the_last_capture(make_job, tmp_path):
+    """A capture of one's own that refines none does not go by those of another; one that was stopped leaves them."""
+    own, refined = make_job(), tmp_path / "calibration.yml"
+
+    def capture(job):
+        for name in ("performance.npz", "observations.npz"):
+            job.path(name).write_text("made")
+
+    def broken(job):
+        raise ZeroDivisionError
+
+    refined.write_text("of another capture")
+    own.replace("performance", broken)
+    own.stages = [next(stage for stage in own.stages if stage.name == "performance")]
+    with pytest.raises(ZeroDivisionError):
+        own.run(["performance"], force=True)
+    assert refined.read_text() == "of another capture"
+    own.replace("performance", capture)
+    own.run(["performance"], force=True)
+    assert not refined.exists() and not list(tmp_path.glob("calibration*"))
+    own.replace("performance", lambda job: capture(job) or job.path("calibration.yml").write_text("of this one") and None)
+    own.run(["performance"], force=True)
+    assert refined.read_text() == "of this one" and len(list(tmp_path.glob("calibration*"))) == 1
 
 
 def test_a_number_that_is_not_known_is_null(make_job):

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import doublet as d
@@ -51,6 +52,16 @@ def test_rows_come_in_the_order_of_the_jobs(executor, tmp_path):
     assert [row["job"] for row in rows] == jobs
     assert seen == [(i + 1, 8) for i in range(8)]
     assert [json.loads(line) for line in (tmp_path / "rows.jsonl").read_text().splitlines()] == rows
+
+
+@pytest.mark.parametrize("made", [lambda power: lambda job: job["x"] ** power, lambda power: partial(pow, exp=power)])
+def test_results_of_a_function_without_a_name_are_not_kept(made, tmp_path):
+    """Those of one would be taken for those of another."""
+    with concurrent.futures.ThreadPoolExecutor(1) as pool:
+        with pytest.raises(ValueError, match=r"rows.jsonl: expected results of a function that can be imported by its name"):
+            study.run(made(2), [{"x": 3}], pool, tmp_path / "rows.jsonl")
+        assert "error" in study.run(partial(pow), [{"x": 3}], pool)[0]
+    assert not (tmp_path / "rows.jsonl").exists()
 
 
 def test_jobs_are_run_together(executor, tmp_path):

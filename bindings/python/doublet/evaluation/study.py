@@ -56,7 +56,7 @@ def run(
     quicker than one by one.
     """
     jobs = list(jobs)
-    name = f"{function.__module__}.{function.__qualname__}"
+    name = name_of(function, results)
     keys = [key_of(name, job) for job in jobs]
     rows = read_rows(results) if results else {}
     waiting = list({k: job for k, job in zip(keys, jobs) if k not in rows}.items())
@@ -83,6 +83,14 @@ def run(
         ordered = {k: rows[k] for k in keys}
         write_text(results, "".join(json.dumps(row) + "\n" for row in {**ordered, **rows}.values()))
     return [rows[k] for k in keys]
+
+
+def name_of(function: Callable, results: Path | None) -> str:
+    """Raises ValueError for one without a name of its own if a file keeps results: they would be taken for those of another."""
+    name = getattr(function, "__qualname__", f"<{type(function).__name__}>")
+    if results and "<" in name:
+        raise ValueError(f"{results}: expected results of a function that can be imported by its name, found {name}")
+    return f"{function.__module__}.{name}"
 
 
 def batches(entries: list, size: int) -> list[list]:
