@@ -14,7 +14,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.common.images import ImageSeries, counted, in_order
-from doublet.common.video import rate_of, read_video
+from doublet.common.video import VideoFile, rate_of, read_video
 from doublet.session.external_masks import read_masks
 from doublet.session.keypoints import CameraKeypoints, joints_of, read_keypoints
 from doublet.session.new_session import Request, new_session
@@ -497,6 +497,21 @@ def test_a_video_of_coloured_parts_shows_all_of_them(tmp_path):
     ffmpeg(*raw, "-c:v", "libx264", "-crf", 10, "-pix_fmt", "yuv420p", tmp_path / "a.mp4", data=parts.tobytes() * 6)
     for mask in read_masks(tmp_path / "a.mp4").masks():
         assert (mask & ACTOR).sum() / (mask | ACTOR).sum() > 0.97
+
+
+def test_what_masks_are_is_told_by_the_first_frames_that_show_something(tmp_path, monkeypatch):
+    """The actor may come later. Those are decoded once."""
+    empty = np.zeros((20, HEIGHT, WIDTH, 3), np.uint8)
+    dark = empty[:8].copy()
+    dark[:, 20:100, 40:80] = 90
+    dark[:, 20:30, 40:80] = 200
+    raw = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{WIDTH}x{HEIGHT}", "-r", 25, "-i", "-"]
+    ffmpeg(*raw, "-c:v", "ffv1", "-pix_fmt", "bgra", tmp_path / "a.mkv", data=empty.tobytes() + dark.tobytes())
+    decoded, frames = [], VideoFile.frames
+    monkeypatch.setattr(VideoFile, "frames", lambda self, *given, **named: decoded.append(named) or frames(self, *given, **named))
+    with pytest.raises(ValueError, match="expected masks in black and white, found areas darker than half"):
+        read_masks(tmp_path / "a.mkv")
+    assert len(decoded) == 1
 
 
 def test_an_alpha_channel_that_is_not_used_is_no_mask(tmp_path):

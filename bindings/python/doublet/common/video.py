@@ -73,18 +73,19 @@ class VideoFile:
     def frames(
         self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True, alpha: bool = False
     ) -> Iterator[np.ndarray]:
-        """Every frame: (H, W, 3) uint8 BGR, or grey (H, W), or its `alpha` channel as grey; of another `size` (width, height) if
-        that is given; turned as the container says unless `upright` is off. Raises RuntimeError if one cannot be decoded."""
+        """Every frame: (H, W, 3) uint8 BGR, or grey (H, W); with `alpha` that channel, too, (H, W, 4), or as grey alone. Of a
+        `size` (width, height) if given; turned as the container says unless `upright` is off. Raises RuntimeError if one
+        cannot be decoded."""
         width, height = size or (self.size if upright else self.stored_size)
         decoder = ["-c:v", self.alpha] if alpha and self.alpha else []
         turn = [] if upright else ["-noautorotate"]
         command = [ffmpeg(), "-loglevel", "error", "-nostdin", *turn, *decoder, "-i", as_file(self.path)]
-        filters = ["format=rgba,alphaextract"] if alpha else []
+        filters = ["format=rgba,alphaextract"] if alpha and grey else []
         filters += [f"scale={width}:{height}:flags=area"] if size else []
         # Every frame once, whatever the clock says: at an even rate, for the option that says so has changed its name.
         command += ["-map", "0:V:0", "-vf", ",".join([*filters, "settb=AVTB,setpts=N/25/TB"]), "-r", "25"]
-        command += ["-f", "rawvideo", "-pix_fmt", "gray" if grey else "bgr24", "-"]
-        shape = (height, width) if grey else (height, width, 3)
+        command += ["-f", "rawvideo", "-pix_fmt", "gray" if grey else "bgra" if alpha else "bgr24", "-"]
+        shape = (height, width) if grey else (height, width, 4 if alpha else 3)
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         try:
             for index in range(len(self.times)):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -60,10 +59,7 @@ def read_masks(path: Path, images: tuple[Path, ...] = ()) -> ExternalMasks:
     """A video, or the images of a series. Raises FileNotFoundError or RuntimeError naming the file."""
     if not images:
         video = read_video(path)
-        if video.alpha is not None and any((frame < 255).any() for frame in first_frames(video, alpha=True, grey=True)):
-            return ExternalMasks(video, "alpha")  # whatever colours are below it
-        require_masks([frame.max(axis=2) for frame in first_frames(video)], path)
-        return ExternalMasks(video, "grey")
+        return ExternalMasks(video, kind_of_video(video))
     chosen = np.unique(np.linspace(0, len(images) - 1, LOOKED_AT).round().astype(int))
     looked = [read_image(images[i]) for i in chosen]
     kind = kind_of(looked)
@@ -72,9 +68,20 @@ def read_masks(path: Path, images: tuple[Path, ...] = ()) -> ExternalMasks:
     return ExternalMasks(ImageSeries(path, images, fps=1), kind)
 
 
-def first_frames(video: VideoFile, **wanted) -> Iterator[np.ndarray]:
-    with closing(video.frames(video.size, **wanted)) as frames:
-        yield from islice(frames, LOOKED_AT)
+def kind_of_video(video: VideoFile) -> str:
+    """By its first frames that show something: the actor may come later."""
+    looked: list[np.ndarray] = []
+    with closing(video.frames(video.size, alpha=video.alpha is not None)) as frames:
+        for frame in frames:
+            if (frame[..., 3:] < 255).any():
+                return "alpha"  # whatever colours are below it
+            values = frame[..., :3].max(axis=2)
+            if values.max() > TRACE:
+                looked.append(values)
+            if len(looked) == LOOKED_AT:
+                break
+    require_masks(looked, video.path)
+    return "grey"
 
 
 def require_masks(values: list[np.ndarray], path: Path) -> None:
