@@ -18,7 +18,7 @@ from doublet.common.video import VideoFile, rate_of, read_video
 from doublet.session.external_masks import read_masks
 from doublet.session.keypoints import CameraKeypoints, joints_of, read_keypoints
 from doublet.session.new_session import Request, new_session
-from PIL import Image
+from PIL import Image, ImageFilter
 
 ROOT = Path(__file__).parents[2]
 WIDTH, HEIGHT, CAMERAS = 160, 120, 2
@@ -542,6 +542,26 @@ def test_a_palette_may_have_any_order(tmp_path, name):
     image.save(tmp_path / "0.png")
     (mask,) = read_masks(tmp_path, (tmp_path / "0.png",)).masks()
     np.testing.assert_array_equal(mask, ACTOR)
+
+
+@pytest.mark.parametrize("soft", [1, 4, 10])
+def test_the_edges_of_masks_may_be_soft(tmp_path, soft):
+    """However wide: as those of a network's small image."""
+    edges = Image.fromarray(255 * ACTOR.astype(np.uint8)).filter(ImageFilter.GaussianBlur(soft))
+    for n in range(3):
+        edges.save(tmp_path / f"{n}.jpg", quality=90)
+    for mask in read_masks(tmp_path, tuple(sorted(tmp_path.iterdir()))).masks():
+        assert (mask & ACTOR).sum() / (mask | ACTOR).sum() > 0.8  # corners are round
+
+
+def test_cut_outs_of_bright_clothes_lose_dark_hair(tmp_path):
+    """A sixth of the actor, and no mask says so."""
+    image = 230 * ACTOR.astype(np.uint8)
+    image[20:34] = np.minimum(image[20:34], 60)
+    for n in range(3):
+        Image.fromarray(image).save(tmp_path / f"{n}.jpg", quality=90)
+    with pytest.raises(ValueError, match="expected masks in black and white, found areas darker than half"):
+        read_masks(tmp_path, tuple(sorted(tmp_path.iterdir())))
 
 
 def test_parts_of_a_person_may_be_dark_without_a_palette(tmp_path):

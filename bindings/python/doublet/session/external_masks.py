@@ -20,7 +20,10 @@ HALF = 127  #: what is brighter is the actor, or else is not
 AREA = 0.2  #: of the pixels of an area at least have all their neighbours in it
 NOISE = 8  #: what is darker, and not 0, are traces of a JPEG
 MOST_SHOWN, TRACES = 0.7, 0.05  #: share of cut-outs that is not black; share of that which is nearly
-TRACE, MOST_LOST = 32, 0.25  #: what is darker is black to a video; share of what is bright that may be dark, on the edges
+TRACE = 32  #: what is darker is black to a video or JPEG
+MOST_LOST = 0.1  #: of what is bright, as much as may be dark without a closer look
+ON_EDGES = 0.85  #: how often what is bright lies deeper in the actor than what is dark, where that is soft edges (docs/notes)
+SMALL, DEEPEST = 512, 64  #: px, images in which depths are told, and the deepest
 BLACK = 16  #: what is darker in all channels is black, and what differs by less is grey
 MOST_GAPS = 2  #: how often somebody may leave the picture and come back
 KINDS = {
@@ -87,13 +90,28 @@ def kind_of_video(video: VideoFile) -> str:
 def require_masks(values: list[np.ndarray], path: Path) -> None:
     """Raises ValueError where parts of somebody are not brighter than half and would be lost: of cut-outs on black in a video or
     a JPEG, or of dark numbers of objects there."""
-    dark = [(image > TRACE) & (image <= HALF) for image in values]
-    lost, kept = (sum(int(part.sum()) for part in parts) for parts in (dark, [image > HALF for image in values]))
-    if lost > MOST_LOST * kept and fill_areas(dark):
+    lost = sum(int(((image > TRACE) & (image <= HALF)).sum()) for image in values)
+    kept = sum(int((image > HALF).sum()) for image in values)
+    if lost > MOST_LOST * kept and bright_within_dark(values) < ON_EDGES:
         found = f"found areas darker than half in {100 * lost / (lost + kept):.0f} % of what is not black"
         raise ValueError(
             f"{path}: expected masks in black and white, {found}; PNG may have cut-outs, or numbers or colours of objects"
         )
+
+
+def bright_within_dark(values: list[np.ndarray]) -> float:
+    """How likely a bright pixel lies deeper in what is not black than a dark one: 1 on soft edges, a half in dark clothes."""
+    dark, bright = np.zeros(DEEPEST + 1), np.zeros(DEEPEST + 1)  # pixels of each depth
+    for image in values:
+        step = -(-max(image.shape) // SMALL)
+        small = image[::step, ::step]
+        inside, depth = small > TRACE, np.zeros(small.shape, int)
+        for _ in range(DEEPEST):
+            depth += inside
+            inside = with_neighbours(inside)
+        dark += np.bincount(depth[(small > TRACE) & (small <= HALF)], minlength=DEEPEST + 1)
+        bright += np.bincount(depth[small > HALF], minlength=DEEPEST + 1)
+    return float(bright @ (np.cumsum(dark) - dark / 2)) / max(dark.sum() * bright.sum(), 1)
 
 
 def kind_of(images: list[Image.Image]) -> str:
@@ -147,8 +165,13 @@ def are_numbers(images: list[np.ndarray]) -> bool:
 
 def fill_areas(chosen: list[np.ndarray]) -> bool:
     """Do pixels fill areas? On the edges of a mask they are a line."""
-    within = [c[1:-1, 1:-1] & c[:-2, 1:-1] & c[2:, 1:-1] & c[1:-1, :-2] & c[1:-1, 2:] for c in chosen]
-    return sum(int(w.sum()) for w in within) > AREA * sum(int(c.sum()) for c in chosen)
+    return sum(int(with_neighbours(c).sum()) for c in chosen) > AREA * sum(int(c.sum()) for c in chosen)
+
+
+def with_neighbours(chosen: np.ndarray) -> np.ndarray:
+    """(H, W) those of which all four neighbours are chosen, too."""
+    c = np.pad(chosen, 1)
+    return c[1:-1, 1:-1] & c[:-2, 1:-1] & c[2:, 1:-1] & c[1:-1, :-2] & c[1:-1, 2:]
 
 
 def is_coloured(image: Image.Image) -> bool:
