@@ -74,6 +74,13 @@ py::array_t<double> as_quaternions(const SourceMotion &motion) {
 
 void bind_character(py::module_ &m) {
   Class<Character>(m, "Character", "The animatable character: everything that a new animation needs (character.glb).")
+      .def_copies()
+      .def("__repr__",
+           [](const Character &character) {
+             return py::str("Character({!r}, {} vertices, {} joints, {} materials)")
+                 .format(character.name, character.actor.mesh.vertices.rows(), character.actor.skeleton.joints.size(),
+                         character.materials.size());
+           })
       .def_static("read", &read_character, py::arg("path"), Release(),
                   "character.glb. Raises FileNotFoundError, or Error naming the file; other files are never followed.")
       .def(
@@ -113,6 +120,12 @@ void bind_character(py::module_ &m) {
 
 void bind_motion(py::module_ &m) {
   Class<Motion>(m, "Motion", "Poses of a character's skeleton at a constant rate.")
+      .def_copies()
+      .def("__repr__",
+           [](const Motion &motion) {
+             return py::str("Motion({} frames at {:.6g} fps, {} degrees of freedom)")
+                 .format(motion.dofs.rows(), motion.fps, motion.dofs.cols());
+           })
       .def(py::init([](double fps, MatrixRM dofs) {
              return Motion{fps, std::move(dofs)};
            }),
@@ -121,6 +134,12 @@ void bind_motion(py::module_ &m) {
       .def_readwrite("dofs", &Motion::dofs, "(T, D) rad and m")
       .def("__len__", [](const Motion &motion) { return motion.dofs.rows(); });
   Class<SourceMotion>(m, "SourceMotion", "A motion capture clip on its own skeleton.")
+      .def_copies()
+      .def("__repr__",
+           [](const SourceMotion &clip) {
+             return py::str("SourceMotion({!r}, {} joints, {} frames at {:.6g} fps)")
+                 .format(clip.source, clip.joints.size(), clip.frame_count(), clip.fps);
+           })
       .def_static(
           "read",
           [](const std::filesystem::path &path, const std::optional<std::filesystem::path> &skeleton,

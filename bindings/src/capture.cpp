@@ -196,6 +196,12 @@ void bind_session(py::module_ &m) {
       .def_readwrite("late", &SessionCamera::late, "frames, as CalibratedCamera.late")
       .def_readonly("video_fps", &SessionCamera::video_fps, "as stated in the video's container; 0 = not stated");
   Class<Session>(m, "Session", "A capture session on disk, checked as a whole.")
+      .def_copies()
+      .def("__repr__",
+           [](const Session &session) {
+             return py::str("Session({!r}, {} cameras, {} frames at {:.6g} fps)")
+                 .format(session.name, session.cameras.size(), session.frame_count, session.fps);
+           })
       .def(py::init<>(), "An empty session, to be filled by hand, that need not exist on disk.")
       .def(py::init(&read_session), py::arg("folder"), Release())
       .def("recalibrated", &recalibrated, py::arg("calibration"), Release(),

@@ -250,6 +250,12 @@ public:
     return def_property(
         name, get, [member](T &self, const Value &value) { set_member(self, member, value); }, more...);
   }
+  /// For copy.copy() and copy.deepcopy(), which are the same: a value has no other objects in it.
+  Class &def_copies() {
+    def("__copy__", [](const T &self) { return self; });
+    return def(
+        "__deepcopy__", [](const T &self, const py::dict &) { return self; }, py::arg("memo"));
+  }
   /// Numbers (N) as an array, like a member of bytes: a copy that cannot be written to.
   template <class C> Class &def_numbers(const char *name, std::vector<int> C::*member, const char *doc) {
     Base::def_property_readonly(
@@ -364,9 +370,7 @@ public:
           return py::bool_(&self == &options || same_fields(self, options));
         },
         py::arg("other"));
-    class_.def("__copy__", [](const T &self) { return self; });
-    class_.def(
-        "__deepcopy__", [](const T &self, const py::dict &) { return self; }, py::arg("memo"));
+    class_.def_copies();
     class_.def(py::pickle(&pickled, &from_dict), py::arg("state"));
     if constexpr (requires { T::paper(); })
       class_.def_static("paper", &T::paper, "The settings of the paper.");

@@ -168,6 +168,12 @@ void bind_mesh(py::module_ &m) {
       .def_property_readonly("usable", &MeshReport::usable, "finite, in range, not empty: what no stage can do without")
       .def("__repr__", &MeshReport::to_string);
   Class<Mesh>(m, "Mesh", "Triangle mesh: vertices (V, 3) m, faces (F, 3).")
+      .def_copies()
+      .def("__repr__",
+           [](const Mesh &mesh) {
+             return "Mesh(" + std::to_string(mesh.vertices.rows()) + " vertices, " + std::to_string(mesh.faces.rows()) +
+                    " faces)";
+           })
       .def(py::init<>())
       .def(py::init([](Vertices vertices, Faces faces) {
              return Mesh{std::move(vertices), std::move(faces)};
@@ -185,6 +191,7 @@ void bind_mesh(py::module_ &m) {
       .def_readwrite("faces", &TexturedFaces::faces, "(F, 3)")
       .def_readwrite("texcoords", &TexturedFaces::texcoords, "(3 F, 2) of corners, (0, 0) is the top left; (0, 2) = none");
   Class<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
+      .def_copies()
       .def(py::init<>())
       .def(py::init([](Faces faces, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
              return MeshSequence{std::move(faces), unstack(frames, "frames")};
@@ -209,6 +216,12 @@ void bind_mesh(py::module_ &m) {
 
 void bind_camera(py::module_ &m) {
   Class<Camera>(m, "Camera", "Pinhole camera, OpenCV's conventions: x_cam = R x_world + t.")
+      .def_copies()
+      .def("__repr__",
+           [](const Camera &camera) {
+             return py::str("Camera({!r}, {} x {}, focal length {:.6g} px)")
+                 .format(camera.name, camera.width, camera.height, camera.K(0, 0));
+           })
       .def(py::init<>())
       .def_readwrite("name", &Camera::name, "of the camera, as in files")
       .def_readwrite("K", &Camera::K, "(3, 3) pixels: focal lengths and principal point")
@@ -246,6 +259,7 @@ void bind_skeleton(py::module_ &m) {
       .def_readwrite("position", &JointAnnotation::position, "(3) m")
       .def_readwrite("dof", &JointAnnotation::dof, "rotational degrees of freedom; None = as usual for a joint of this name");
   Class<Skeleton>(m, "Skeleton", "Kinematic skeleton; joints are sorted parents first.")
+      .def_copies()
       .def(py::init(&make_skeleton), py::arg("marks"))
       .def_property_readonly(
           "joint_names",
@@ -338,6 +352,7 @@ void bind_observations(py::module_ &m) {
 
 void bind_stage_values(py::module_ &m) {
   Class<RiggedMesh>(m, "RiggedMesh", "Surface in the scan pose, skeleton and skin weights (actor.npz).")
+      .def_copies()
       .def(py::init([](Mesh mesh, Mask face_valid, MatrixRM weights, Skeleton skeleton) {
              return RiggedMesh{std::move(mesh), std::move(face_valid), std::move(weights), std::move(skeleton)};
            }),
@@ -347,6 +362,7 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("weights", &RiggedMesh::weights, "(V, J)")
       .def_readwrite("skeleton", &RiggedMesh::skeleton, "Skeleton");
   Class<ReferencePerformance>(m, "ReferencePerformance", "The captured performance (performance.npz).")
+      .def_copies()
       .def(py::init<>())
       .def_readwrite("surface", &ReferencePerformance::surface, "MeshSequence of the captured surface")
       .def_readwrite("dofs", &ReferencePerformance::dofs, "(T, D)")
@@ -370,6 +386,7 @@ void bind_stage_values(py::module_ &m) {
       py::arg("actor"), py::arg("performance"), py::arg("context") = interruptible_context(),
       "(T, V, 3) m: the captured frames, transformed back to the scan pose.");
   Class<Segmentation>(m, "Segmentation", "Which vertices are loose cloth (segmentation.npz).")
+      .def_copies()
       .def(py::init<>())
       .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region) {
              const int count = region.size() ? region.maxCoeff() + 1 : 0;
@@ -385,6 +402,7 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that defines lengths and masses; empty = the scan pose")
       .def_readwrite("region_count", &Segmentation::region_count, "cloth regions");
   Class<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
+      .def_copies()
       .def(py::init<>())
       .def_readwrite("mesh", &Garment::mesh, "scan pose, m")
       .def_readwrite("region", &Garment::region, "(G)")

@@ -1,5 +1,6 @@
 """The Python face of the library: arrays, options, errors, overridable stages, interruption."""
 
+import copy
 import signal
 import threading
 
@@ -215,3 +216,23 @@ def test_the_shipped_body_model_is_found_without_a_path():
     body = model.vertices(np.zeros(model.component_count))
     assert body.shape == (model.vertex_count, 3)
     assert 1.4 < np.ptp(body[:, 1]) < 2.0  # m, a standing adult
+
+
+def test_values_are_copied_and_say_what_they_are():
+    camera = d.Camera()
+    camera.name, camera.width, camera.height, camera.K = "cam0", 640, 480, np.diag([500.0, 500, 1])
+    values = {
+        "Camera('cam0', 640 x 480, focal length 500 px)": (camera, "K"),
+        "Mesh(3 vertices, 1 faces)": (d.Mesh(np.eye(3), [[0, 1, 2]]), "vertices"),
+        "Motion(5 frames at 40 fps, 7 degrees of freedom)": (d.Motion(40, np.zeros((5, 7))), "dofs"),
+    }
+    for text, (value, name) in values.items():
+        for copied in (copy.copy(value), copy.deepcopy(value)):
+            assert repr(copied) == text
+            setattr(copied, name, 2 * np.asarray(getattr(value, name)) + 1)
+            assert not np.array_equal(getattr(copied, name), getattr(value, name))
+    clip = d.SourceMotion(["hips"], [-1], [[0, 1, 0]], [[[0, 1, 0]]], [[[1, 0, 0, 0]]], 30, "walk.bvh")
+    assert repr(copy.copy(clip)) == "SourceMotion('walk.bvh', 1 joints, 1 frames at 30 fps)"
+    assert repr(d.Session()) == "Session('', 0 cameras, 0 frames at 0 fps)"
+    with pytest.raises(TypeError, match="cannot pickle 'doublet._doublet.FrameSource' object"):
+        copy.copy(d.FrameSource())
