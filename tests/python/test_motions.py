@@ -80,6 +80,9 @@ def test_pickled_poses_are_to_be_arrays(world, tmp_path):
     (tmp_path / "wham_output.pkl").write_bytes(b"x")
     with pytest.raises(ValueError, match=r"wham_output\.pkl: expected a clip .*, found '\.pkl'; numpy\.savez writes them"):
         read_motion(tmp_path / "wham_output.pkl", world.character, d.RetargetOptions())
+    np.save(tmp_path / "humanml3d.npy", np.zeros((20, 22, 3)))
+    with pytest.raises(ValueError, match="places of joints alone, as of HumanML3D, say no rotations"):
+        read_motion(tmp_path / "humanml3d.npy", world.character, d.RetargetOptions())
 
 
 @pytest.mark.parametrize("where", ["along -X", "along +Y", "after a frame in which she stands", "on another floor"])

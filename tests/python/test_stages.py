@@ -106,6 +106,13 @@ def test_a_function_is_the_same_in_every_process():
 
 
 def test_a_function_that_cannot_be_told_apart_needs_a_name(make_job, tmp_path):
+    class Stubborn:
+        def __reduce_ex__(self, protocol):
+            raise ValueError("pointers")
+
+    stubborn = Stubborn()
+    with pytest.raises(TypeError, match=r"<lambda> cannot be told from another of that name \(pointers\)"):
+        make_job().replace("segment", lambda job: stubborn)
     with (tmp_path / "held").open("w") as held:
         with pytest.raises(TypeError, match=r"<lambda> cannot be told from another .*; give it a name of its own, runner='...'"):
             make_job().replace("segment", lambda job: held)

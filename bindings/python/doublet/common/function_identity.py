@@ -23,7 +23,7 @@ def function_identity(function) -> str:
     name = f"{named.__module__}.{named.__qualname__}"
     try:
         return f"{name} {digest(held, ()).hex()[:8]}"
-    except (TypeError, RecursionError) as error:
+    except Exception as error:  # whatever an object says that cannot be taken apart
         raise TypeError(
             f"{name} cannot be told from another of that name ({error}); give it a name of its own, runner='...'"
         ) from error
@@ -32,7 +32,7 @@ def function_identity(function) -> str:
 def digest(value, around: tuple[int, ...]) -> bytes:
     """SHA-256 of a value, the same in every process. `around`: ids of the values that it is part of."""
     if type(value) in PLAIN:
-        return hashed(type(value).__name__, [repr(value).encode()])
+        return hashed(type(value).__name__, [value if type(value) is bytes else repr(value).encode()])
     if id(value) in around:  # a function that calls itself
         return hashed("around", [str(around[::-1].index(id(value))).encode()])
     around = (*around, id(value))

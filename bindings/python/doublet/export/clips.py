@@ -123,7 +123,8 @@ def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
     path = Path(path)
     if path.suffix.lower() in PICKLED:
         expected = "a clip in .bvh, .amc, .fbx or .glb, or 'poses', 'trans' and 'mocap_framerate' of the SMPL family in an .npz"
-        raise ValueError(f"{path}: expected {expected}, found '{path.suffix}'; numpy.savez writes them")
+        how = "numpy.savez writes them; places of joints alone, as of HumanML3D, say no rotations: have them fitted or as BVH"
+        raise ValueError(f"{path}: expected {expected}, found '{path.suffix}'; {how}")
     if path.suffix.lower() != ".npz":
         return d.SourceMotion.read(path, animation=animation)
     if animation:
