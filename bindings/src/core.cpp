@@ -110,6 +110,8 @@ void bind_errors(py::module_ &m) {
       py::set_error(PyExc_KeyboardInterrupt, e.what());
     } catch (const Error &e) {
       py::set_error(error, e.what());
+    } catch (const std::filesystem::filesystem_error &e) { // of a folder that nobody may write to, say
+      py::set_error(error, (e.path1().string() + ": " + e.code().message()).c_str());
     }
   });
 }

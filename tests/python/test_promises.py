@@ -359,5 +359,14 @@ def test_names_of_files_may_be_any_bytes(world, tmp_path):
         write_usdc(base / "dance.usdc", world.character, world.motion)
 
 
+def test_a_folder_that_cannot_be_made_is_named(world, tmp_path):
+    write_session(tmp_path / "session", world)
+    (tmp_path / "file").write_text("")
+    job = d.Reconstruction(tmp_path / "session", tmp_path / "file" / "out")
+    job.stages = [d.Stage("own", in_python, writes=["own.txt"], needs_scan=False)]
+    with pytest.raises(d.Error, match=r"^[^ ]*/file/out: Not a directory$"):
+        job.run(["own"])
+
+
 def in_python(job):
     job.path("own.txt").write_text("own")
