@@ -3,7 +3,8 @@
 python benchmarks/segment_truth.py OUT SESSION [--even-odds 3 --colour 4.5]
 
 The template follows the true surface (the nearest point that a camera sees in the scan pose): all of it, only its skin, or only
-its cloth; the skeleton is the captured one. One line each: cloth_iou as `doublet evaluate` has it, false and missed cloth in m^2,
+its cloth; the skeleton is the captured one. The last line is eq. 1 of the paper, two thresholds on the captured surface's
+deviation. One line each: cloth_iou as `doublet evaluate` has it, false and missed cloth in m^2,
 and where (by the joint that moves it, from 0.01 m^2).
 """
 
@@ -38,6 +39,21 @@ def carried(made: Reconstruction, truth: Truth, cameras) -> tuple[np.ndarray, np
     return np.einsum("vk,tvkc->tvc", weights, np.array(frames)), garment[seen[near]]
 
 
+def by_thresholds(mesh: d.Mesh, sigma: np.ndarray, rigid=0.0025, cloth=0.006, length=0.03) -> np.ndarray:
+    """(V) eq. 1 of the paper out of the deviations (V, m; NaN = not known): its two thresholds, and an implicit step of the
+    diffusion over the surface. All lengths in m."""
+    corners = mesh.vertices[mesh.faces]
+    system = np.diag(np.where(np.isnan(sigma), 0.0, d.vertex_areas(mesh.vertices, mesh.faces)) + 1e-12)
+    right = system @ np.clip((np.nan_to_num(sigma) - rigid) / (cloth - rigid), 0, 1)
+    for k in range(3):  # cotangents of the angles opposite to the edges
+        a, b = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
+        weight = length**2 * np.maximum((a * b).sum(1) / np.maximum(np.linalg.norm(np.cross(a, b), axis=1), 1e-12), 1e-3) / 2
+        i, j = mesh.faces[:, (k + 1) % 3], mesh.faces[:, (k + 2) % 3]
+        for at, to, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
+            np.add.at(system, (at, to), sign * weight)
+    return np.linalg.solve(system, right)
+
+
 def where(joints: list[str], owner: np.ndarray, area: np.ndarray) -> str:
     sums = {joints[j]: area[owner == j].sum() for j in np.unique(owner)}
     return ", ".join(f"{name} {total:.3f}" for name, total in sums.items() if total >= 0.01) or "-"
@@ -66,11 +82,13 @@ def main() -> None:
     true, cloth = carried(made, truth, cameras)
     area = np.asarray(d.vertex_areas(made.actor.mesh.vertices, made.faces))
     owner, joints = np.asarray(made.actor.weights).argmax(axis=1), made.actor.skeleton.joint_names
-    for name, taken in {"captured": [], "all true": ..., "true skin": ~cloth, "true cloth": cloth}.items():
+    for name, taken in {"captured": [], "all true": ..., "true skin": ~cloth, "true cloth": cloth, "eq. 1": []}.items():
         frames = captured.copy()
         frames[:, taken] = true[:, taken]
         performance.surface.frames = list(frames)
-        made.clothness = d.segment_performance(made.actor, performance, segmenter, colours, body).clothness
+        found = d.segment_performance(made.actor, performance, segmenter, colours, body)
+        seen = d.Mesh(first.vertices, made.faces)
+        made.clothness = by_thresholds(seen, found.sigma) if name == "eq. 1" else found.clothness
         found = made.clothness > 0.5
         false, missed = area * (found & ~cloth), area * (cloth & ~found)
         print(f"{name:<11} cloth_iou {cloth_iou(made, truth, cameras):.3f}", end="")

@@ -113,15 +113,7 @@ Eigen::VectorXd smooth_labels(const Surface &surface, const std::vector<char> &l
   Eigen::VectorXd delta(surface.size());
   for (int v = 0; v < surface.size(); ++v)
     delta[v] = surface.areas[v] > 0 && labels[v];
-  return snapped(diffuse_on_surface(surface.vertices, surface.faces, delta, 0.5 * diffusion));
-}
-
-/// Eq. 1 of the paper, diffused; NaN is filled in by the diffusion.
-Eigen::VectorXd clothness_by_thresholds(const Surface &surface, const Eigen::VectorXd &sigma, const SegmentOptions &options) {
-  Eigen::VectorXd delta = (sigma.array() - options.rigid_threshold) / (options.cloth_threshold - options.rigid_threshold);
-  for (double &value : delta)
-    value = std::isnan(value) ? value : std::clamp(value, 0.0, 1.0);
-  return snapped(diffuse_on_surface(surface.vertices, surface.faces, delta, options.diffusion));
+  return snapped(diffuse_on_surface(surface.vertices, surface.faces, delta, diffusion));
 }
 
 /// Labels, probabilities, clothness and regions. `inputs` without what is not known.
@@ -130,22 +122,18 @@ Segmentation segmentation_of(const Mesh &pose, const SegmentInputs &inputs, cons
   const Surface surface = surface_of_inputs(pose, inputs.face_valid, sigma);
   Segmentation result;
   result.sigma = sigma;
-  if (options.thresholds) {
-    result.clothness = clothness_by_thresholds(surface, sigma, options);
-  } else {
-    Eigen::VectorXd odds = odds_of_motion(surface, sigma, options);
-    if (inputs.prior.size() > 0)
-      odds += inputs.prior;
-    if (inputs.gap.size() > 0)
-      odds += odds_of_gap(inputs.gap, options);
-    if (options.colour > 0 && inputs.colours.rows() > 0)
-      odds = with_colours(surface, inputs, odds, options);
-    const LabellingEnergy energy = labelling_energy(surface, odds, inputs.mirrored, options);
-    result.clothness = smooth_labels(surface, lowest_labelling(energy), options.diffusion);
-    result.probability = labelling_margins(energy, surface.areas, kSurest, kMarginSteps).unaryExpr([](double margin) {
-      return probability(margin);
-    });
-  }
+  Eigen::VectorXd odds = odds_of_motion(surface, sigma, options);
+  if (inputs.prior.size() > 0)
+    odds += inputs.prior;
+  if (inputs.gap.size() > 0)
+    odds += odds_of_gap(inputs.gap, options);
+  if (options.colour > 0 && inputs.colours.rows() > 0)
+    odds = with_colours(surface, inputs, odds, options);
+  const LabellingEnergy energy = labelling_energy(surface, odds, inputs.mirrored, options);
+  result.clothness = smooth_labels(surface, lowest_labelling(energy), options.diffusion);
+  result.probability = labelling_margins(energy, surface.areas, kSurest, kMarginSteps).unaryExpr([](double margin) {
+    return probability(margin);
+  });
   detail::label_regions(surface, {}, result);
   return result;
 }
@@ -221,10 +209,6 @@ private:
 
 void SegmentOptions::validate() const {
   options::check(*this);
-  if (!(rigid_threshold < cloth_threshold))
-    options::throw_invalid("SegmentOptions: rigid_threshold",
-                           "less than cloth_threshold, " + options::to_text(cloth_threshold) + " m",
-                           options::to_text(rigid_threshold));
 }
 
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,

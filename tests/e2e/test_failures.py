@@ -99,9 +99,9 @@ def test_no_session_there(tmp_path):
 
 
 def test_wrong_option_is_named(shipped, tmp_path):
-    done = doublet("reconstruct", shipped, "-o", tmp_path / "out", "--segment-rigid-threshold", "-1")
+    done = doublet("reconstruct", shipped, "-o", tmp_path / "out", "--segment-diffusion", "-1")
     assert done.returncode == 1
-    assert "rigid_threshold" in done.stderr and "Traceback" not in done.stderr
+    assert "diffusion" in done.stderr and "Traceback" not in done.stderr
 
 
 def test_stage_without_its_input_names_the_stage_that_writes_it(shipped, tmp_path):

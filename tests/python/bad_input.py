@@ -672,7 +672,7 @@ for command in ("check session -o new", TEMPLATE, *(f"{stage} out --force" for s
             for name, number in STOPS
         },
     )
-spoilt_by("Options", RECONSTRUCT + " --segment-rigid-threshold -1", a_threshold_below_0=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --segment-diffusion -1", a_length_below_0=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --capture-start-frame 500", a_start_after_the_last_frame=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --garment-length-exceedances 0.5 0.3", widths_that_are_not_in_order=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --cloth-substeps 0", no_steps_at_all=lambda folder: None)

@@ -28,11 +28,11 @@ def test_arrays_are_views_without_a_copy():
 
 
 def test_options_take_keywords_and_say_what_is_wrong():
-    assert d.SegmentOptions(cloth_threshold=0.03).cloth_threshold == 0.03
+    assert d.SegmentOptions(diffusion=0.03).diffusion == 0.03
     with pytest.raises(TypeError, match="no option 'threshold'"):
         d.SegmentOptions(threshold=1)
-    with pytest.raises(ValueError, match="rigid_threshold"):
-        d.SegmentOptions(rigid_threshold=-1)
+    with pytest.raises(ValueError, match="diffusion"):
+        d.SegmentOptions(diffusion=-1)
     with pytest.raises(ValueError, match="k_bend"):
         d.Material(k_bend=2)
     with pytest.raises(TypeError, match="Material has no option 'stiffness'"):

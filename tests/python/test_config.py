@@ -67,9 +67,9 @@ def test_every_option_comes_back_from_the_file(group, name, tmp_path):
 
 def test_the_command_line_beats_the_file(tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_text("seed = 7\n[segment]\ndiffusion = 0.05\nrigid_threshold = 0.004\n[space.fixed]\nd_n = 9\n")
+    path.write_text("seed = 7\n[segment]\ndiffusion = 0.05\neven_gap = 0.004\n[space.fixed]\nd_n = 9\n")
     options, seed = options_of("--config", path, "--segment-diffusion", 0.01)
-    assert (options["segment"]["diffusion"], options["segment"]["rigid_threshold"], seed) == (0.01, 0.004, 7)
+    assert (options["segment"]["diffusion"], options["segment"]["even_gap"], seed) == (0.01, 0.004, 7)
     assert options["space"]["fixed"] == {**plain(d.ParameterSpace().fixed), "d_n": 9.0}
     assert options_of("--config", path, "--seed", 2)[1] == 2
     both = write(tmp_path / "both.toml", "--config", str(path), "--segment-diffusion", "0.01")

@@ -24,10 +24,9 @@ bool on_side(int i) {
   return i < tube::kAround * tube::kRings;
 }
 
-/// Exactly eq. 1: one ray, every frame, two thresholds.
+/// The deviation exactly as in eq. 1: one ray, every frame.
 SegmentOptions plain() {
   SegmentOptions options;
-  options.thresholds = true;
   options.opposite.rays = 1;
   options.opposite.trim = 0;
   return options;
@@ -477,7 +476,7 @@ TEST(Segment, RejectsWrongInput) {
   outside.faces(0, 0) = 1 << 20;
   EXPECT_THROW(segment_cloth({outside}), Error);
   SegmentOptions options;
-  options.cloth_threshold = options.rigid_threshold;
+  options.diffusion = -1;
   EXPECT_THROW(segment_cloth({sequence}, options), std::invalid_argument);
 }
 

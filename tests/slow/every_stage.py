@@ -36,7 +36,7 @@ from PIL import Image
 
 SHIPPED = Path(__file__).resolve().parents[2] / "examples" / "data" / "session"
 FRAMES, STEP, SHRINK, CAMERAS = 5, 3, 2, 6
-#: Little moves in a few frames; few evaluations.
+#: Few evaluations.
 OPTIONS = [
     "--template-poisson-depth",
     "6",
@@ -45,11 +45,8 @@ OPTIONS = [
     "--garment-length-exceedances",
     "0.25",
     "0.35",
-    "--segment-thresholds",
-    "--segment-rigid-threshold",
-    "0.001",
+    "--no-capture-second-pass",
 ]
-OPTIONS += ["--segment-cloth-threshold", "0.004", "--no-capture-second-pass"]
 SIGNALS = {"int": signal.SIGINT, "term": signal.SIGTERM, "kill": signal.SIGKILL}
 WAYS = (*SIGNALS, "full", "memory", "readonly")
 MEMORY = 16 << 20  # bytes

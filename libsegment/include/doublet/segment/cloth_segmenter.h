@@ -23,10 +23,7 @@ struct SegmentOptions {
   double border = 0.12;
   double symmetry = 1;
   double min_region_area = 0.08;
-  double diffusion = 0.03;
-  bool thresholds = false;
-  double rigid_threshold = 0.0025;
-  double cloth_threshold = 0.006;
+  double diffusion = 0.015;
   OppositeOptions opposite;
   static constexpr auto describe() {
     using namespace options;
@@ -51,12 +48,8 @@ struct SegmentOptions {
                "Nearly all garments are symmetric; 0 = off"),
         option(&O::min_region_area, "min_region_area", at_least(0), "m^2",
                "Garments that touch are separated by colour if each has at least this area", "28 x 28 cm, about a short sleeve"),
-        option(&O::diffusion, "diffusion", at_least(0), "m", "Length scale of the diffusion of eq. 1's clothness",
-               "Half of it smooths the border of the labels"),
-        option(&O::thresholds, "thresholds",
-               "Eq. 1 of the paper with its two thresholds decides what is cloth; off = the energy does"),
-        option(&O::rigid_threshold, "rigid_threshold", at_least(0), "m", "Threshold t_rigid of eq. 1: below, a vertex is rigid"),
-        option(&O::cloth_threshold, "cloth_threshold", at_least(0), "m", "Threshold t_cloth of eq. 1: above, a vertex is cloth"),
+        option(&O::diffusion, "diffusion", at_least(0), "m",
+               "Length scale of the diffusion that smooths the border of the labels"),
         option(&O::opposite, "opposite", "Options of the rays to the other side"),
     };
   }
