@@ -76,7 +76,7 @@ def main() -> None:
     first = d.Mesh(performance.surface.frames[0], made.actor.mesh.faces)
     colours = d.sample_colours(first, made.actor.face_valid, session.rig, views.images, views.masks)
     captured = np.array(performance.surface.frames)
-    dressed = d.dressed_all_over(made.actor, d.segmentation_pose(made.actor, performance))
+    dressed = d.dressed_all_over(made.actor)
     model = d.BodyModel.read(d.body_model_path())
     body = d.BodyFitter.create().fit(made.actor, dressed, model, session.landmarks).body
     true, cloth = carried(made, truth, cameras)

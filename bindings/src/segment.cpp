@@ -49,7 +49,7 @@ void bind_segment(py::module_ &m) {
            py::arg("surface"), py::arg_v("face_valid", Mask{}, "[]"), py::arg("canonical") = std::nullopt,
            py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd(), py::arg("gap") = Eigen::VectorXd(),
            py::arg("mirrored") = Eigen::VectorXi())
-      .def_readwrite("surface", &SegmentInputs::surface, "MeshSequence as captured; the first frame is in the scan pose")
+      .def_readwrite("surface", &SegmentInputs::surface, "MeshSequence as captured; the first frame is the scan, or in its pose")
       .def_readwrite("face_valid", &SegmentInputs::face_valid, "(F) 0 = invented over a large hole; empty = all valid")
       .def_property(
           "canonical", [](const SegmentInputs &s) { return stack(s.canonical); },
@@ -66,10 +66,10 @@ void bind_segment(py::module_ &m) {
       .def_readwrite("mirrored", &SegmentInputs::mirrored,
                      "(V) the vertex on the body's other side (mirrored_vertices), -1 = none; or empty");
   m.def(
-      "cloth_prior", &cloth_prior, py::arg("actor"), py::arg("pose"), Release(),
+      "cloth_prior", &cloth_prior, py::arg("actor"), Release(),
       "(V) prior log odds of cloth by place on the body: below 0 on hands, feet, head and pieces not connected with the trunk; 0 "
-      "elsewhere. pose: segmentation_pose(actor, performance).");
-  m.def("dressed_all_over", &dressed_all_over, py::arg("actor"), py::arg("pose"), Release(),
+      "elsewhere.");
+  m.def("dressed_all_over", &dressed_all_over, py::arg("actor"), Release(),
         "Everything is cloth except hands, feet, head and pieces not connected with the trunk: a body that is fitted to this "
         "segmentation lies within the surface.");
   m.def("mirrored_vertices", &mirrored_vertices, py::arg("actor"), Release(),
@@ -89,9 +89,6 @@ void bind_segment(py::module_ &m) {
       py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
       py::arg("context") = interruptible_context(), Release(),
       "ClothSegmenter.create(options).segment(SegmentInputs(sequence, face_valid), context).");
-  m.def(
-      "segmentation_pose", &segmentation_pose, py::arg("actor"), py::arg("performance"), Release(),
-      "The Mesh in whose pose a segmentation is made: the first frame if it is in the scan's pose, otherwise the actor's mesh.");
   m.def(
       "segment_performance",
       [](const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
@@ -114,8 +111,7 @@ void bind_segment(py::module_ &m) {
       .def_readonly("uncertain_area", &SegmentSummary::uncertain_area,
                     "share of the area with a probability of cloth from 0.1 to 0.9");
   m.def("summarise_segmentation", &summarise_segmentation, py::arg("pose"), py::arg("face_valid"), py::arg("segmentation"),
-        Release(),
-        "Areas, noise and certainty of a segmentation -> SegmentSummary. pose: segmentation_pose(actor, performance).");
+        Release(), "Areas, noise and certainty of a segmentation -> SegmentSummary. pose: actor.mesh.");
   m.def("apply_corrections", &apply_corrections, py::arg("pose"), py::arg("face_valid"), py::arg("found"), py::arg("painted"),
         Release(),
         "The segmentation `found` with corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a border between regions.");

@@ -40,9 +40,9 @@ bool use_gap(Reconstruction &reconstruction, const Vertices &colours) {
 }
 
 /// A body that fits into the surface wherever it may be dressed; empty, and said so, where the model does not know the skeleton.
-Mesh body_within(Reconstruction &reconstruction, const ReferencePerformance &performance) {
+Mesh body_within(Reconstruction &reconstruction) {
   const RiggedMesh &actor = reconstruction.results().actor();
-  const Segmentation dressed = dressed_all_over(actor, segmentation_pose(actor, performance));
+  const Segmentation dressed = dressed_all_over(actor);
   const auto model = BodyModel::read(reconstruction.options.body_model);
   try {
     return BodyFitter::create(reconstruction.options.body)
@@ -56,15 +56,14 @@ Mesh body_within(Reconstruction &reconstruction, const ReferencePerformance &per
 }
 
 /// As a person painted it, if anybody did; what was found is then kept beside it, for the page that edits it.
-Segmentation corrected(Reconstruction &reconstruction, const Mesh &pose, const Segmentation &found,
-                       const std::optional<Eigen::VectorXi> &painted) {
+Segmentation corrected(Reconstruction &reconstruction, const Segmentation &found, const std::optional<Eigen::VectorXi> &painted) {
   if (!painted) {
     std::filesystem::remove(reconstruction.path(kFoundSegmentation));
     return found;
   }
   const RiggedMesh &actor = reconstruction.results().actor();
   write_segmentation(reconstruction.path(kFoundSegmentation), found);
-  return apply_corrections(pose, actor.face_valid, found, *painted);
+  return apply_corrections(actor.mesh, actor.face_valid, found, *painted);
 }
 
 std::string percent(double share) {
@@ -128,13 +127,12 @@ Json run_segment(Reconstruction &reconstruction) {
   const auto segmenter = ClothSegmenter::create(options.segment);
   const Vertices colours = options.segment.colour > 0 ? first_colours(reconstruction, performance) : Vertices(0, 3);
   const bool has_gap = options.segment.gap_slope > 0 && use_gap(reconstruction, colours);
-  const Mesh body = has_gap ? body_within(reconstruction, performance) : Mesh();
+  const Mesh body = has_gap ? body_within(reconstruction) : Mesh();
   const Segmentation found = segment_performance(actor, performance, *segmenter, colours, body, reconstruction.context());
   const auto painted = read_segmentation_paint(reconstruction.out(), found.clothness.size());
-  const Mesh pose = segmentation_pose(actor, performance);
-  const Segmentation result = corrected(reconstruction, pose, found, painted);
+  const Segmentation result = corrected(reconstruction, found, painted);
   write_segmentation(reconstruction.path("segmentation.npz"), result);
-  const SegmentSummary summary = summarise_segmentation(pose, actor.face_valid, result);
+  const SegmentSummary summary = summarise_segmentation(actor.mesh, actor.face_valid, result);
   const Eigen::VectorXd areas = vertex_areas(actor.mesh.vertices, actor.mesh.faces);
   const Eigen::ArrayXd cloth = (result.clothness.array() > 0.5).select(areas.array(), 0.0);
   const std::vector<ClothEnd> ends = cloth_ends(actor, result);

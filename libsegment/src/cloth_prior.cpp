@@ -5,8 +5,6 @@
 #include "surface_patches.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
 
 namespace doublet {
 namespace {
@@ -55,19 +53,14 @@ Eigen::VectorXd unattached(const RiggedMesh &actor, const Surface &surface) {
 
 } // namespace
 
-Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose) {
+Eigen::VectorXd cloth_prior(const RiggedMesh &actor) {
   require_actor(actor, "cloth_prior");
-  require_usable(pose, "cloth_prior: pose");
-  if (pose.vertices.rows() != actor.mesh.vertices.rows() || pose.faces.rows() != actor.mesh.faces.rows())
-    throw std::invalid_argument("cloth_prior: pose: expected the actor's " + std::to_string(actor.mesh.vertices.rows()) +
-                                " vertices and " + std::to_string(actor.mesh.faces.rows()) + " faces, found " +
-                                std::to_string(pose.vertices.rows()) + " and " + std::to_string(pose.faces.rows()));
-  const Surface surface = detail::surface_of(pose, actor.face_valid);
+  const Surface surface = detail::surface_of(actor.mesh, actor.face_valid);
   return -kExtremity * extremities(actor, surface) - kUnattached * unattached(actor, surface);
 }
 
-Segmentation dressed_all_over(const RiggedMesh &actor, const Mesh &pose) {
-  const Eigen::ArrayXd prior = cloth_prior(actor, pose).array();
+Segmentation dressed_all_over(const RiggedMesh &actor) {
+  const Eigen::ArrayXd prior = cloth_prior(actor).array();
   Segmentation dressed;
   dressed.sigma = Eigen::VectorXd::Zero(prior.size());
   dressed.clothness = (prior > kSurelyNone).cast<double>();

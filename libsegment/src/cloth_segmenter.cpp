@@ -265,42 +265,18 @@ Segmentation segment_cloth(const SegmentInputs &inputs, const SegmentOptions &op
   return ClothSegmenter::create(options)->segment(inputs, context);
 }
 
-namespace {
-
-bool begins_in_scan_pose(const Skeleton &skeleton, const ReferencePerformance &performance) {
-  constexpr double kBent = 0.15; // rad; a first frame in the scan's pose has 0.02, a dance 0.3
-  double sum = 0, count = 0;
-  for (const Joint &joint : skeleton.joints)
-    for (int d = joint.first_dof; joint.kind != JointKind::Root && d < joint.first_dof + joint.dof_count; ++d) {
-      sum += std::pow(performance.dofs(0, d), 2);
-      count += 1;
-    }
-  return sum <= kBent * kBent * count;
-}
-
-} // namespace
-
-Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &performance) {
-  require_actor(actor, "segmentation_pose");
-  require_performance(performance, actor, "segmentation_pose");
-  if (begins_in_scan_pose(actor.skeleton, performance))
-    return {performance.surface.frames.front(), performance.surface.faces};
-  return actor.mesh;
-}
-
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const Vertices &colours, const Mesh &body,
                                  const Context &context) {
   require_actor(actor, "segment_performance");
+  require_performance(performance, actor, "segment_performance");
   SegmentInputs inputs{performance.surface, actor.face_valid, canonical_frames(actor, performance, context), colours,
-                       cloth_prior(actor, segmentation_pose(actor, performance))};
+                       cloth_prior(actor)};
+  for (std::vector<Vertices> *frames : {&inputs.surface.frames, &inputs.canonical})
+    frames->insert(frames->begin(), actor.mesh.vertices);
   if (body.faces.rows() > 0)
     inputs.gap = cloth_slack(body, {actor.mesh.vertices}, context);
   inputs.mirrored = mirrored_vertices(actor);
-  if (!begins_in_scan_pose(actor.skeleton, performance)) {
-    inputs.surface.frames.insert(inputs.surface.frames.begin(), actor.mesh.vertices);
-    inputs.canonical.insert(inputs.canonical.begin(), actor.mesh.vertices);
-  }
   Segmentation segmentation = segmenter.segment(inputs, context);
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "segment_performance: the segmenter's answer");
   return segmentation;

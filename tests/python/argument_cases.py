@@ -122,8 +122,8 @@ def calls(world, folder) -> dict:
         ),
         "silhouette_hull": (d.silhouette_hull, {"mask": ring_of_discs()["masks"][0]}),
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
-        "cloth_prior": (d.cloth_prior, {"actor": w.actor, "pose": w.mesh}),
-        "dressed_all_over": (d.dressed_all_over, {"actor": w.actor, "pose": w.mesh}),
+        "cloth_prior": (d.cloth_prior, {"actor": w.actor}),
+        "dressed_all_over": (d.dressed_all_over, {"actor": w.actor}),
         "mirrored_vertices": (d.mirrored_vertices, {"actor": w.actor}),
         "summarise_segmentation": (
             d.summarise_segmentation, {"pose": w.mesh, "face_valid": valid, "segmentation": w.segmentation},
@@ -133,7 +133,6 @@ def calls(world, folder) -> dict:
             lambda **given: d.ClothSegmenter.create().segment(d.SegmentInputs(**given)),
             {"surface": sequence, "face_valid": valid, "prior": np.zeros(len(v)), "gap": np.zeros(len(v))},
         ),
-        "segmentation_pose": (d.segmentation_pose, {"actor": w.actor, "performance": w.performance}),
         "segment_performance": (
             lambda **given: d.segment_performance(**given, segmenter=d.ClothSegmenter.create()),
             {"actor": w.actor, "performance": w.performance, "body": w.body.body},

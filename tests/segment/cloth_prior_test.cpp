@@ -32,7 +32,7 @@ double prior_at(const Eigen::VectorXd &prior, int ring) {
 TEST(ClothPrior, AFootIsSkinAndAWaistMayBeAnything) {
   skirt_person::Person person = person_on_a_leg();
   person.actor.face_valid.assign(person.actor.mesh.faces.rows(), 1); // the leg hangs together with the skirt
-  const Eigen::VectorXd prior = cloth_prior(person.actor, person.actor.mesh);
+  const Eigen::VectorXd prior = cloth_prior(person.actor);
   EXPECT_LT(prior_at(prior, 0), -1);
   for (const double y : {0.55, 0.8, 1.2})
     EXPECT_EQ(prior_at(prior, skirt_person::first_ring(y)), 0) << y;
@@ -42,7 +42,7 @@ TEST(ClothPrior, AFootIsSkinAndAWaistMayBeAnything) {
 
 TEST(ClothPrior, WhatComesOutUnderAHemHangsFromNothing) {
   const skirt_person::Person person = person_on_a_leg(); // the sheet below the hem is invalid
-  const Eigen::VectorXd prior = cloth_prior(person.actor, person.actor.mesh);
+  const Eigen::VectorXd prior = cloth_prior(person.actor);
   EXPECT_LT(prior_at(prior, 12), -3);
   EXPECT_EQ(prior_at(prior, skirt_person::first_ring(0.8)), 0);
 }
@@ -51,12 +51,12 @@ TEST(ClothPrior, ASkeletonWithoutATrunkTellsNothingOfPieces) {
   skirt_person::Person person = person_on_a_leg();
   person.actor.weights.setZero();
   person.actor.weights.col(person.actor.skeleton.find("l_knee")).setOnes();
-  EXPECT_EQ(prior_at(cloth_prior(person.actor, person.actor.mesh), 12), 0);
+  EXPECT_EQ(prior_at(cloth_prior(person.actor), 12), 0);
 }
 
 TEST(ClothPrior, DressedAllOverIsSkinWhereNoGarmentIs) {
   const skirt_person::Person person = person_on_a_leg();
-  const Segmentation dressed = dressed_all_over(person.actor, person.actor.mesh);
+  const Segmentation dressed = dressed_all_over(person.actor);
   require_segmentation(dressed, person.actor.mesh.vertices.rows(), "dressed");
   EXPECT_EQ(dressed.clothness[skirt_person::vertex(12, 5)], 0); // the shank hangs on no trunk
   EXPECT_EQ(dressed.clothness[skirt_person::vertex(skirt_person::first_ring(0.8), 5)], 1);

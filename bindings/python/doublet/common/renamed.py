@@ -16,7 +16,6 @@ NAMES = {
     "find_body_marks": "detect_joints",
     "make_display": "build_display_mesh",
     "offered": "width_variants",
-    "segmented_pose": "segmentation_pose",
     "unposed_frames": "canonical_frames",
     "worn": "choose_widths",
 }

@@ -58,7 +58,7 @@ struct SegmentOptions {
 
 /// Input of a segmenter. Only the surface is required.
 struct SegmentInputs {
-  MeshSequence surface; ///< as captured; the first frame is in the scan pose
+  MeshSequence surface; ///< as captured; the first frame is the scan, or in its pose
   Mask face_valid = {}; ///< (F), empty = all: invalid faces close the surface but were never seen
   /// T x (V, 3) m, the frames transformed back to the scan pose by the skeleton (canonical_frames): motion that remains there is
   /// not explained by skinning. Empty = not known.
@@ -93,15 +93,10 @@ public:
 /// ClothSegmenter::create(options)->segment(inputs, context).
 Segmentation segment_cloth(const SegmentInputs &inputs, const SegmentOptions &options = {}, const Context &context = {});
 
-/// The surface in whose pose a segmentation is made, for that is the scan's: the performance's first frame if its joints are
-/// within 0.15 rad (RMS over the degrees of freedom but the root's), otherwise the actor's own mesh. Throws as
-/// require_performance().
-Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &performance);
-
-/// The whole stage for a captured performance: its frames are brought back to the scan pose, too (canonical_frames), after
-/// segmentation_pose() if that is none of them; the prior is cloth_prior(), mirrored places are mirrored_vertices(); `colours` as
-/// SegmentInputs::colours of the first captured frame, `body` one that fits into the actor's surface (as BodyFitter fits it to
-/// dressed_all_over()), or both empty. `segmenter` is asked. Throws as these do.
+/// The whole stage for a captured performance: its frames, after the scan itself, and these brought back to the scan pose
+/// (canonical_frames); the prior is cloth_prior(), mirrored places are mirrored_vertices(); `colours` as SegmentInputs::colours
+/// of the first captured frame, `body` one that fits into the actor's surface (as BodyFitter fits it to dressed_all_over()), or
+/// both empty. `segmenter` is asked. Throws as these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3), const Mesh &body = {},
                                  const Context &context = {});
@@ -129,10 +124,5 @@ struct ClothEnd {
 };
 /// Ends of limbs with more cloth than skin, in the order of the skeleton: a glove or a boot, or a mistake.
 std::vector<ClothEnd> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation);
-
-// Deprecated names.
-template <class... A> [[deprecated("use segmentation_pose")]] decltype(auto) segmented_pose(A &&...a) {
-  return segmentation_pose(std::forward<A>(a)...);
-}
 
 } // namespace doublet
