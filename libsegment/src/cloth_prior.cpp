@@ -2,6 +2,7 @@
 
 #include "doublet/core/parts/skeleton_tree.h"
 #include "limb_ends.h"
+#include "log_odds.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -10,11 +11,6 @@ namespace doublet {
 namespace {
 
 using detail::Surface;
-
-// Log odds. Nobody's hands, feet and head hang loose, and a garment hangs from the trunk.
-constexpr double kExtremity = 5;
-constexpr double kUnattached = 4;
-constexpr double kSurelyNone = -2; // half of what a piece without trunk has
 
 /// (V) in [0, 1]: part of a hand, a foot or the head; rises from the joint to halfway between it and the end.
 Eigen::VectorXd extremities(const RiggedMesh &actor, const Surface &surface) {
@@ -51,20 +47,25 @@ Eigen::VectorXd unattached(const RiggedMesh &actor, const Surface &surface) {
   return some_attached ? result : Eigen::VectorXd::Zero(surface.size());
 }
 
+/// (V) in [0, 1]: nobody's hands, feet and head hang loose, and a garment hangs from the trunk.
+Eigen::VectorXd surely_skin(const RiggedMesh &actor, const char *what) {
+  require_actor(actor, what);
+  const Surface surface = detail::surface_of(actor.mesh, actor.face_valid);
+  return extremities(actor, surface).cwiseMax(unattached(actor, surface));
+}
+
 } // namespace
 
 Eigen::VectorXd cloth_prior(const RiggedMesh &actor) {
-  require_actor(actor, "cloth_prior");
-  const Surface surface = detail::surface_of(actor.mesh, actor.face_valid);
-  return -kExtremity * extremities(actor, surface) - kUnattached * unattached(actor, surface);
+  return -detail::kSurest * surely_skin(actor, "cloth_prior");
 }
 
 Segmentation dressed_all_over(const RiggedMesh &actor) {
-  const Eigen::ArrayXd prior = cloth_prior(actor).array();
+  const Eigen::ArrayXd skin = surely_skin(actor, "dressed_all_over").array();
   Segmentation dressed;
-  dressed.sigma = Eigen::VectorXd::Zero(prior.size());
-  dressed.clothness = (prior > kSurelyNone).cast<double>();
-  dressed.region = (prior > kSurelyNone).select(Eigen::VectorXi::Zero(prior.size()).array(), -1);
+  dressed.sigma = Eigen::VectorXd::Zero(skin.size());
+  dressed.clothness = (skin < 0.5).cast<double>();
+  dressed.region = (skin < 0.5).select(Eigen::VectorXi::Zero(skin.size()).array(), -1);
   dressed.region_count = 1;
   return dressed;
 }

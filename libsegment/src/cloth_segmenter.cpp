@@ -8,6 +8,7 @@
 #include "doublet/segment/parts/diffusion.h"
 #include "doublet/segment/slack.h"
 #include "limb_ends.h"
+#include "log_odds.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -19,18 +20,18 @@
 namespace doublet {
 
 using detail::choose;
+using detail::kSurest;
+using detail::probability;
 using detail::snapped;
 using detail::Surface;
 
 namespace {
 
-constexpr double kStillest = 0.1;  // of the surface: everybody shows that much of head, hands or legs
-constexpr double kFinest = 0.0005; // m, no capture is more exact
-// Log odds: however much a vertex moves, tracking may have failed there; and the body model does not know everybody.
-constexpr double kMostFromOne = 4;
-constexpr double kLeastFromGap = -2; // cloth rests on the body in places
+constexpr double kStillest = 0.1;    // of the surface: everybody shows that much of head, hands or legs
+constexpr double kFinest = 0.0005;   // m, no capture is more exact
+constexpr double kLeastFromGap = -2; // log odds: cloth rests on the body in places
 constexpr int kColourRounds = 4;     // of learning what skin and cloth look like
-constexpr double kSurest = 6;        // log odds that count as certain
+constexpr double kCertain = 6;       // log odds, of margins that are told apart
 constexpr int kMarginSteps = 25;     // odd: one of the shifts is 0, so that probabilities agree with the labels
 
 Surface surface_of_inputs(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
@@ -53,7 +54,7 @@ double noise_of(const Eigen::VectorXd &sigma) {
 Eigen::VectorXd odds_of_motion(const Surface &surface, const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   const double even = options.even_odds * std::max(noise_of(sigma), kFinest);
   Eigen::VectorXd odds = sigma.unaryExpr([&](double m) { // NaN stays
-    return std::isnan(m) ? m : std::clamp(options.slope * std::log(std::max(m, 1e-9) / even), -kMostFromOne, kMostFromOne);
+    return std::isnan(m) ? m : std::clamp(options.slope * std::log(std::max(m, 1e-9) / even), -kSurest, kSurest);
   });
   odds = diffuse_on_surface(surface.vertices, surface.faces, odds, 0.0);
   return odds.unaryExpr([](double value) { return std::isfinite(value) ? value : 0.0; });
@@ -62,12 +63,8 @@ Eigen::VectorXd odds_of_motion(const Surface &surface, const Eigen::VectorXd &si
 /// (V) log odds of cloth by the distance from the body within: the same curve over its logarithm. 0 where that is not known.
 Eigen::VectorXd odds_of_gap(const Eigen::VectorXd &gap, const SegmentOptions &options) {
   return gap.unaryExpr([&](double m) {
-    return std::clamp(options.gap_slope * std::log(std::max(m, 1e-9) / options.even_gap), kLeastFromGap, kMostFromOne);
+    return std::clamp(options.gap_slope * std::log(std::max(m, 1e-9) / options.even_gap), kLeastFromGap, kSurest);
   });
-}
-
-double probability(double log_odds) {
-  return 1 / (1 + std::exp(-log_odds));
 }
 
 /// (V) `odds` and what the colours add to them. What skin and cloth look like is what the more probable of each does, and so on
@@ -131,7 +128,7 @@ Segmentation segmentation_of(const Mesh &pose, const SegmentInputs &inputs, cons
     odds = with_colours(surface, inputs, odds, options);
   const LabellingEnergy energy = labelling_energy(surface, odds, inputs.mirrored, options);
   result.clothness = smooth_labels(surface, lowest_labelling(energy), options.diffusion);
-  result.probability = labelling_margins(energy, surface.areas, kSurest, kMarginSteps).unaryExpr([](double margin) {
+  result.probability = labelling_margins(energy, surface.areas, kCertain, kMarginSteps).unaryExpr([](double margin) {
     return probability(margin);
   });
   detail::label_regions(surface, {}, result);

@@ -12,7 +12,6 @@ namespace doublet::detail {
 namespace {
 
 constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSurest = 1;    // logarithm of a ratio that counts fully: a fabric has more colours than were seen to move
 constexpr double kSpread = 0.02; // m, over which colours tell the same: a pattern's scale
 
 } // namespace
@@ -42,7 +41,8 @@ Eigen::VectorXd colour_evidence(const Surface &surface, const Faces &faces, cons
       return Eigen::VectorXd::Zero(surface.size()); // nothing to compare with
     histogram = colour_likelihoods(histogram);
   }
-  const Eigen::VectorXd ratio = (histograms[0].array() / histograms[1].array()).log().max(-kSurest).min(kSurest) / kSurest;
+  // A factor of e counts fully: a fabric has more colours than were seen to move.
+  const Eigen::VectorXd ratio = (histograms[0].array() / histograms[1].array()).log().max(-1.0).min(1.0);
 
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(surface.size()), seen = sum;
   for (int f = 0; f < faces.rows(); ++f)
