@@ -5,6 +5,7 @@
 #include "doublet/core/parts/labelling.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/segment/cloth_prior.h"
+#include "doublet/segment/garment_mesher.h"
 #include "doublet/segment/parts/diffusion.h"
 #include "doublet/segment/slack.h"
 #include "limb_ends.h"
@@ -136,11 +137,10 @@ Segmentation segmentation_of(const Mesh &pose, const SegmentInputs &inputs, cons
 }
 
 /// Regions do not connect where two garments touch.
-void part_by_colour(const Mesh &pose, const SegmentInputs &inputs, const SegmentOptions &options, const Context &context,
-                    Segmentation &result) {
+void part_by_colour(const Mesh &pose, const SegmentInputs &inputs, const Context &context, Segmentation &result) {
   const Surface surface = surface_of_inputs(pose, inputs.face_valid, result.sigma);
   const int before = result.region_count;
-  detail::label_regions(surface, detail::colour_seams(surface, inputs, result, options), result, options.min_region_area);
+  detail::label_regions(surface, detail::colour_seams(surface, inputs, result), result, GarmentOptions{}.min_piece_area);
   if (result.region_count > before)
     context.log_line("segment: cloth is split where two colours meet and it moves little: " +
                      std::to_string(result.region_count) + " regions instead of " + std::to_string(before));
@@ -193,7 +193,7 @@ public:
     context.report_progress("segment", 0.8);
     Segmentation result = segmentation_of(pose, inputs, sigma, options_);
     if (inputs.colours.rows() > 0 && options_.colour > 0)
-      part_by_colour(pose, inputs, options_, context, result);
+      part_by_colour(pose, inputs, context, result);
     context.report_progress("segment", 1.0);
     return result;
   }

@@ -1,6 +1,7 @@
 #include "colour_seams.h"
 
 #include "doublet/core/parts/quantile.h"
+#include "doublet/segment/garment_mesher.h"
 
 #include <algorithm>
 #include <array>
@@ -122,15 +123,15 @@ std::vector<int> seam_of(const Surface &surface, const std::vector<char> &member
 
 } // namespace
 
-std::vector<char> colour_seams(const Surface &surface, const SegmentInputs &inputs, const Segmentation &segmentation,
-                               const SegmentOptions &options) {
+std::vector<char> colour_seams(const Surface &surface, const SegmentInputs &inputs, const Segmentation &segmentation) {
+  const double smallest = GarmentOptions{}.min_piece_area; // what is smaller makes no garment
   const Vertices looks = looks_of(inputs.surface.faces, inputs.colours, surface.size());
   std::vector<char> seams(surface.size(), 0);
   for (int region = 0; region < segmentation.region_count; ++region) {
     const std::vector<char> member = choose(surface, [&](int v) { return segmentation.region[v] == region; });
     Kinds kinds = two_kinds(surface, inputs, member, looks);
-    merge_small(surface, member, options.min_region_area, kinds.second);
-    for (int v : seam_of(surface, member, kinds, segmentation.sigma, options.min_region_area))
+    merge_small(surface, member, smallest, kinds.second);
+    for (int v : seam_of(surface, member, kinds, segmentation.sigma, smallest))
       seams[v] = 1;
   }
   return seams;

@@ -22,7 +22,6 @@ struct SegmentOptions {
   double colour = 3;
   double border = 0.12;
   double symmetry = 1;
-  double min_region_area = 0.08;
   double diffusion = 0.015;
   OppositeOptions opposite;
   static constexpr auto describe() {
@@ -46,8 +45,6 @@ struct SegmentOptions {
                "Cost of a metre of border: that of labelling so many square metres against log odds of 1"),
         option(&O::symmetry, "symmetry", at_least(0), "", "Log odds that a vertex and its mirror image have the same label",
                "Nearly all garments are symmetric; 0 = off"),
-        option(&O::min_region_area, "min_region_area", at_least(0), "m^2",
-               "Garments that touch are separated by colour if each has at least this area", "28 x 28 cm, about a short sleeve"),
         option(&O::diffusion, "diffusion", at_least(0), "m",
                "Length scale of the diffusion that smooths the border of the labels"),
         option(&O::opposite, "opposite", "Options of the rays to the other side"),
