@@ -76,7 +76,7 @@ Eigen::VectorXd with_colours(const Surface &surface, const SegmentInputs &inputs
   for (int round = 0; round < kColourRounds; ++round) {
     const Eigen::VectorXd cloth = all.unaryExpr([](double x) { return probability(x); });
     const Eigen::VectorXd evidence = detail::colour_evidence(surface, inputs.surface.faces, inputs.face_valid, inputs.colours,
-                                                             cloth.cwiseAbs2(), (1 - cloth.array()).square().matrix());
+                                                             cloth, (1 - cloth.array()).matrix());
     all = odds + options.colour * evidence;
   }
   return all;

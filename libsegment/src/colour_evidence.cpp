@@ -12,7 +12,6 @@ namespace doublet::detail {
 namespace {
 
 constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSpread = 0.02; // m, over which colours tell the same: a pattern's scale
 
 } // namespace
 
@@ -53,7 +52,7 @@ Eigen::VectorXd colour_evidence(const Surface &surface, const Faces &faces, cons
           seen[faces(f, corner)] += areas[f];
         }
   Eigen::VectorXd evidence = diffuse_on_surface(surface.vertices, surface.faces,
-                                                (seen.array() > 0).select(sum.array() / seen.array(), kUnseen), kSpread);
+                                                (seen.array() > 0).select(sum.array() / seen.array(), kUnseen), 0.0);
   return evidence.unaryExpr([](double value) { return std::isfinite(value) ? value : 0.0; });
 }
 
