@@ -11,7 +11,7 @@ namespace doublet::detail {
 namespace {
 
 constexpr int kMostRounds = 8;
-constexpr double kDistinct = 0.5; // mean evidence of each side, of at most 1
+constexpr double kDistinct = 0.75; // mean evidence of each side, of at most 1: shades of one fabric have up to 0.74
 
 /// (V, 3) mean logarithm of the colours around each vertex; NaN where none is seen.
 Vertices looks_of(const Faces &faces, const Vertices &colours, int vertices) {
