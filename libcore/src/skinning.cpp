@@ -59,31 +59,29 @@ DualQuaternion blend(const std::vector<DualQuaternion> &joints, Signs signs, con
   return joints[of.pivot];
 }
 
-/// Appends what row v of the weights (V, J) holds beside zeros; returns the pivot.
-int append_shares(const MatrixRM &weights, Eigen::Index v, std::vector<int> &joints, std::vector<double> &values) {
-  Eigen::Index pivot = 0;
-  for (Eigen::Index j = 0; j < weights.cols(); ++j) {
-    if (weights(v, j) > weights(v, pivot))
-      pivot = j;
-    if (weights(v, j) != 0) {
-      joints.push_back(static_cast<int>(j));
-      values.push_back(weights(v, j));
-    }
+/// Stores what row v of the weights (V, J) holds beside zeros in `joints` and `values`, which have room for J. Without a branch:
+/// where the zeros are, no processor could foresee.
+Shares shares_of(const MatrixRM &weights, Eigen::Index v, int *joints, double *values) {
+  const double *row = weights.data() + v * weights.cols();
+  int count = 0, pivot = 0;
+  double heaviest = weights.cols() > 0 ? row[0] : 0;
+  for (int j = 0; j < weights.cols(); ++j) {
+    joints[count] = j;
+    values[count] = row[j];
+    count += row[j] != 0;
+    pivot = row[j] > heaviest ? j : pivot;
+    heaviest = row[j] > heaviest ? row[j] : heaviest;
   }
-  return static_cast<int>(pivot);
+  return {joints, values, count, pivot};
 }
 
 /// The blend of every vertex, in turn.
 template <class Use>
 void blend_each(const MatrixRM &weights, const std::vector<DualQuaternion> &joints, Signs signs, const Use &use) {
-  std::vector<int> used;
-  std::vector<double> values;
-  for (Eigen::Index v = 0; v < weights.rows(); ++v) {
-    used.clear();
-    values.clear();
-    const int pivot = append_shares(weights, v, used, values);
-    use(v, blend(joints, signs, {used.data(), values.data(), static_cast<int>(used.size()), pivot}, v));
-  }
+  std::vector<int> used(weights.cols());
+  std::vector<double> values(weights.cols());
+  for (Eigen::Index v = 0; v < weights.rows(); ++v)
+    use(v, blend(joints, signs, shares_of(weights, v, used.data(), values.data()), v));
 }
 
 /// Translation 2 (w_r d - w_d r + r x d) of a dual quaternion with unit real part.
@@ -151,11 +149,16 @@ void dual_quaternions(const Skeleton &skeleton, const Transforms &world_from_res
 SkinBinding::SkinBinding(const Vertices &rest, const MatrixRM &weights) : rest_(rest), joint_count_(weights.cols()), first_{0} {
   require_sizes("SkinBinding", rest.rows(), weights, weights.cols());
   require_finite_rest(rest, "SkinBinding");
+  std::vector<int> used(weights.cols());
+  std::vector<double> values(weights.cols());
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
     if (!(weights.row(v).sum() > 0))
       throw std::invalid_argument("SkinBinding: expected skin weights that sum to one, found none at vertex " +
                                   std::to_string(v));
-    pivots_.push_back(append_shares(weights, v, joints_, weights_));
+    const Shares shares = shares_of(weights, v, used.data(), values.data());
+    pivots_.push_back(shares.pivot);
+    joints_.insert(joints_.end(), shares.joints, shares.joints + shares.count);
+    weights_.insert(weights_.end(), shares.weights, shares.weights + shares.count);
     first_.push_back(static_cast<int>(joints_.size()));
   }
 }
