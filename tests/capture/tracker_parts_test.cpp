@@ -3,7 +3,9 @@
 #include "doublet/capture/parts/smoothing.h"
 #include "tracker_scene.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
+#include <random>
 
 using namespace doublet;
 using namespace tracker_scene;
@@ -200,6 +202,29 @@ TEST(Features, FollowAKnownShift) {
     EXPECT_LE((b.points[j] - a.points[i]).norm(), 5); // the true partners are out of reach
   EXPECT_TRUE(tracker->detect(image, Image(160, 160, 1)).points.empty());
   EXPECT_THROW(tracker->detect(image, Image(10, 10, 1)), std::invalid_argument);
+}
+
+TEST(Features, BytesMatchAsOtherNumbersDo) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<int> byte(0, 255), error(-40, 40);
+  std::uniform_real_distribution<float> pixel(0, 100);
+  Features a, b;
+  a.descriptors.resize(200, 128);
+  b.descriptors.resize(200, 128);
+  for (int i = 0; i < 200; ++i) {
+    a.points.emplace_back(pixel(random), pixel(random));
+    b.points.push_back(a.points.back() + Eigen::Vector2f(3, 4));
+    for (int c = 0; c < 128; ++c) {
+      a.descriptors(i, c) = byte(random);
+      b.descriptors(i, c) = std::clamp(a.descriptors(i, c) + error(random), 0.0, 255.0);
+    }
+  }
+  const auto tracker = FeatureTracker::create();
+  const auto bytes = tracker->match(a, b, 30);
+  ASSERT_GT(bytes.size(), 100u);
+  for (Features *features : {&a, &b})
+    features->descriptors *= 0.5; // exactly: all distances keep their order and their ratios
+  EXPECT_EQ(tracker->match(a, b, 30), bytes);
 }
 
 } // namespace tracker_parts_test

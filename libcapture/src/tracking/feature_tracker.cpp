@@ -3,6 +3,7 @@
 #include "doublet/core/error.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -60,6 +61,48 @@ std::vector<int> best_matches(const std::vector<std::vector<Candidate>> &candida
   return best;
 }
 
+/// Squared distances of the rows of two matrices. Those of SIFT are whole numbers of one byte: sums of their squares are exact in
+/// integers, and the same as in doubles.
+class RowDistances {
+public:
+  RowDistances(const MatrixRM &previous, const MatrixRM &current) : previous_(previous), current_(current) {
+    if (!to_bytes(previous, previous_bytes_) || !to_bytes(current, current_bytes_))
+      previous_bytes_.clear();
+  }
+  double operator()(int i, int j) const {
+    const Eigen::Index size = previous_.cols();
+    if (previous_bytes_.empty())
+      return (previous_.row(i) - current_.row(j)).squaredNorm();
+    return squared_distance(previous_bytes_.data() + i * size, current_bytes_.data() + j * size, static_cast<int>(size));
+  }
+
+private:
+  static bool to_bytes(const MatrixRM &rows, std::vector<std::int16_t> &bytes) {
+    constexpr Eigen::Index kLongest = 32768; // so many squares of a byte fit into an int
+    if (rows.cols() > kLongest)
+      return false;
+    bytes.resize(rows.size());
+    bool all = true;
+    for (Eigen::Index i = 0; i < rows.size(); ++i) {
+      const double value = rows.data()[i];
+      bytes[i] = static_cast<std::int16_t>(std::min(std::max(0.0, value), 255.0));
+      all &= bytes[i] == value;
+    }
+    return all;
+  }
+  static int squared_distance(const std::int16_t *a, const std::int16_t *b, int size) {
+    int sum = 0;
+    for (int k = 0; k < size; ++k) {
+      const auto difference = static_cast<std::int16_t>(a[k] - b[k]);
+      sum += difference * difference;
+    }
+    return sum;
+  }
+
+  const MatrixRM &previous_, &current_;
+  std::vector<std::int16_t> previous_bytes_, current_bytes_; // empty: other numbers
+};
+
 class SiftTracker : public FeatureTracker {
 public:
   explicit SiftTracker(const FeatureTrackerOptions &options) : options_(options) {}
@@ -90,12 +133,13 @@ public:
                                   std::to_string(previous.descriptors.cols()) + " and " +
                                   std::to_string(current.descriptors.cols()));
     const int n = static_cast<int>(previous.points.size()), m = static_cast<int>(current.points.size());
+    const RowDistances distances(previous.descriptors, current.descriptors);
     std::vector<std::vector<Candidate>> of_previous(n), of_current(m);
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < m; ++j) {
         if ((previous.points[i] - current.points[j]).squaredNorm() > reach * reach)
           continue;
-        const double distance = (previous.descriptors.row(i) - current.descriptors.row(j)).squaredNorm();
+        const double distance = distances(i, j);
         of_previous[i].push_back({j, distance});
         of_current[j].push_back({i, distance});
       }
