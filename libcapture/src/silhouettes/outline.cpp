@@ -21,29 +21,41 @@ double signed_area(const std::vector<cv::Point> &loop) {
   return twice / 2;
 }
 
-Eigen::Vector2f mean_of(const std::vector<cv::Point> &loop, int centre, int half) {
+constexpr int kAround = 3; // pixels of a loop that its smoothing looks at before and behind one
+
+/// A loop, which begins and ends with kAround pixels of its other end.
+std::vector<Eigen::Vector2f> closed(const std::vector<cv::Point> &loop) {
   const int n = static_cast<int>(loop.size());
-  Eigen::Vector2f sum = Eigen::Vector2f::Zero();
-  for (int k = centre - half; k <= centre + half; ++k) {
-    const cv::Point &p = loop[((k % n) + n) % n];
-    sum += Eigen::Vector2f(static_cast<float>(p.x), static_cast<float>(p.y));
+  std::vector<Eigen::Vector2f> points;
+  points.reserve(loop.size() + 2 * kAround);
+  for (int k = n - kAround; k < 2 * n + kAround; ++k) {
+    const cv::Point &p = loop[k % n];
+    points.emplace_back(static_cast<float>(p.x), static_cast<float>(p.y));
   }
+  return points;
+}
+
+Eigen::Vector2f mean_of(const std::vector<Eigen::Vector2f> &closed_loop, int centre, int half) {
+  Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+  for (int k = centre - half; k <= centre + half; ++k)
+    sum += closed_loop[k + kAround];
   return sum / static_cast<float>(2 * half + 1);
 }
 
 void append_loop(const std::vector<cv::Point> &loop, bool hole, int width, int height, int margin, Outline &outline) {
   const float side = (signed_area(loop) > 0) == !hole ? 1.f : -1.f; // +1: the right-hand normal (t_y, -t_x) points outward
+  const std::vector<Eigen::Vector2f> points = closed(loop);
   for (int i = 0; i < static_cast<int>(loop.size()); ++i) {
     const cv::Point &pixel = loop[i];
     if (pixel.x < margin || pixel.y < margin || pixel.x >= width - margin || pixel.y >= height - margin)
       continue;
-    const Eigen::Vector2f tangent = mean_of(loop, i + 2, 1) - mean_of(loop, i - 2, 1);
+    const Eigen::Vector2f tangent = mean_of(points, i + 2, 1) - mean_of(points, i - 2, 1);
     if (tangent.squaredNorm() < 1e-6f) // the tip of a one-pixel spike has no direction
       continue;
     const Eigen::Vector2f normal = side * Eigen::Vector2f(tangent.y(), -tangent.x()).normalized();
     // Inside pixels' centres lie 0 to max(|nx|, |ny|) pixels inside the true edge, half of that on average.
     const float shift = 0.5f * std::max(std::abs(normal.x()), std::abs(normal.y()));
-    outline.points.push_back(mean_of(loop, i, 2) + shift * normal);
+    outline.points.push_back(mean_of(points, i, 2) + shift * normal);
     outline.normals.push_back(normal);
     outline.pixels.emplace_back(pixel.x, pixel.y);
   }
@@ -93,21 +105,21 @@ Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int he
   return mask;
 }
 
-OutlineIndex::OutlineIndex(Outline outline, int width, int height)
-    : outline_(std::move(outline)), columns_(width / kCell + 1), rows_(height / kCell + 1), first_(columns_ * rows_ + 1, 0) {
+OutlineIndex::OutlineIndex(const Outline &outline, int width, int height)
+    : columns_(width / kCell + 1), rows_(height / kCell + 1), first_(columns_ * rows_ + 1, 0) {
   const auto cell = [&](const Eigen::Vector2f &p) {
     const int x = std::clamp(static_cast<int>(p.x()) / kCell, 0, columns_ - 1);
     const int y = std::clamp(static_cast<int>(p.y()) / kCell, 0, rows_ - 1);
     return y * columns_ + x;
   };
-  for (const Eigen::Vector2f &p : outline_.points)
+  for (const Eigen::Vector2f &p : outline.points)
     ++first_[cell(p) + 1];
   for (size_t c = 1; c < first_.size(); ++c)
     first_[c] += first_[c - 1];
-  entries_.resize(outline_.points.size());
+  entries_.resize(outline.points.size());
   std::vector<int> next(first_.begin(), first_.end() - 1);
-  for (size_t i = 0; i < outline_.points.size(); ++i)
-    entries_[next[cell(outline_.points[i])]++] = static_cast<int>(i);
+  for (size_t i = 0; i < outline.points.size(); ++i)
+    entries_[next[cell(outline.points[i])]++] = {outline.points[i], outline.normals[i], static_cast<int>(i)};
 }
 
 int OutlineIndex::nearest(const Eigen::Vector2f &point, const Eigen::Vector2f &normal, float radius, float min_cosine) const {
@@ -116,24 +128,25 @@ int OutlineIndex::nearest(const Eigen::Vector2f &point, const Eigen::Vector2f &n
   const int cx = static_cast<int>(std::floor(point.x() / kCell)), cy = static_cast<int>(std::floor(point.y() / kCell));
   int best = -1;
   float best_squared = radius * radius;
-  // Square rings of cells outward; ring r holds nothing closer than (r - 1) cells.
-  for (int ring = 0; static_cast<float>((ring - 1) * kCell) * std::abs((ring - 1) * kCell) <= best_squared; ++ring) {
-    for (int y = std::max(cy - ring, 0); y <= std::min(cy + ring, rows_ - 1); ++y) {
-      const int step = (y == cy - ring || y == cy + ring || ring == 0) ? 1 : 2 * ring;
-      for (int x = cx - ring; x <= cx + ring; x += step) {
-        if (x < 0 || x >= columns_)
-          continue;
-        for (int e = first_[y * columns_ + x]; e < first_[y * columns_ + x + 1]; ++e) {
-          const int i = entries_[e];
-          const float squared = (outline_.points[i] - point).squaredNorm();
-          if (squared < best_squared && outline_.normals[i].dot(normal) >= min_cosine) {
-            best_squared = squared;
-            best = i;
-          }
-        }
+  const auto look = [&](int y, int from, int to) {
+    const int *row = first_.data() + y * columns_;
+    for (int e = row[std::clamp(from, 0, columns_)]; e < row[std::clamp(to + 1, 0, columns_)]; ++e) {
+      const float squared = (entries_[e].point - point).squaredNorm();
+      if (squared < best_squared && entries_[e].normal.dot(normal) >= min_cosine) {
+        best_squared = squared;
+        best = entries_[e].index;
       }
     }
-  }
+  };
+  // Square rings of cells outward; ring r holds nothing closer than (r - 1) cells.
+  for (int ring = 0; static_cast<float>((ring - 1) * kCell) * std::abs((ring - 1) * kCell) <= best_squared; ++ring)
+    for (int y = std::max(cy - ring, 0); y <= std::min(cy + ring, rows_ - 1); ++y)
+      if (y == cy - ring || y == cy + ring) {
+        look(y, cx - ring, cx + ring);
+      } else {
+        look(y, cx - ring, cx - ring);
+        look(y, cx + ring, cx + ring);
+      }
   return best;
 }
 

@@ -33,14 +33,18 @@ Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int he
 /// Uniform grid over the points of an outline, which it copies; const calls are thread-safe.
 class OutlineIndex {
 public:
-  OutlineIndex(Outline outline, int width, int height);
+  OutlineIndex(const Outline &outline, int width, int height);
   /// Index of the closest point within `radius` pixels whose normal has at least `min_cosine` with `normal`; -1 if there is none.
   int nearest(const Eigen::Vector2f &point, const Eigen::Vector2f &normal, float radius, float min_cosine) const;
 
 private:
-  Outline outline_;
+  struct Entry {
+    Eigen::Vector2f point, normal;
+    int index; // in the outline
+  };
   int columns_ = 0, rows_ = 0;
-  std::vector<int> first_, entries_; // cell -> range of entries
+  std::vector<int> first_; // cell -> range of entries
+  std::vector<Entry> entries_;
 };
 
 } // namespace doublet
