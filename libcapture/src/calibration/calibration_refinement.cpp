@@ -265,12 +265,17 @@ private:
 
   /// The actor's outline as each camera sees it at all moments.
   void look(std::vector<std::vector<OutlinePoint>> &seen) const {
-    for (size_t m = 0; m < poses_.size(); ++m) {
-      const Vertices vertices = show(static_cast<int>(m), 0).vertices;
+    const int count = static_cast<int>(poses_.size());
+    std::vector<std::vector<std::vector<OutlinePoint>>> of_moments(count, seen);
+    parallel_for(context_, count, [&](int m) {
+      const Vertices vertices = show(m, 0).vertices;
       for (int v = 0; v < views_; ++v)
-        for (const RimConstraint &c : match(static_cast<int>(m), v, vertices, kNarrowestGate))
-          seen[v].push_back({c.surface.position(vertices, actor_.mesh.faces), c.metres_per_pixel});
-    }
+        for (const RimConstraint &c : match(m, v, vertices, kNarrowestGate))
+          of_moments[m][v].push_back({c.surface.position(vertices, actor_.mesh.faces), c.metres_per_pixel});
+    });
+    for (const auto &of_views : of_moments)
+      for (int v = 0; v < views_; ++v)
+        seen[v].insert(seen[v].end(), of_views[v].begin(), of_views[v].end());
   }
 
   /// How far the actor's outline moves in each picture, m^2, mean over its points, and the variance of that, but for what a
