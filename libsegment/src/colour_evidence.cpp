@@ -51,8 +51,8 @@ Eigen::VectorXd colour_evidence(const Surface &surface, const Faces &faces, cons
           sum[faces(f, corner)] += areas[f] * ratio[bin];
           seen[faces(f, corner)] += areas[f];
         }
-  Eigen::VectorXd evidence = diffuse_on_surface(surface.vertices, surface.faces,
-                                                (seen.array() > 0).select(sum.array() / seen.array(), kUnseen), 0.0);
+  Eigen::VectorXd evidence =
+      diffuse_on_surface(surface.vertices, surface.faces, (seen.array() > 0).select(sum.array() / seen.array(), kUnseen), 0.0);
   return evidence.unaryExpr([](double value) { return std::isfinite(value) ? value : 0.0; });
 }
 
