@@ -158,10 +158,15 @@ R call_override(const Base *self, const std::string &where, const char *expected
   const py::object result = method(std::forward<Arguments>(arguments)...);
   if (has_complex(result))
     throw py::type_error(where + " must return " + expected + ", found complex numbers in " + described(result));
+  const auto refuse = [&] { throw py::type_error(where + " must return " + expected + ", found " + described(result)); };
   try {
     return result.template cast<R>();
   } catch (const py::cast_error &) {
-    throw py::type_error(where + " must return " + expected + ", found " + described(result));
+    refuse();
+    throw;
+  } catch (const py::type_error &) { // of name_makers()
+    refuse();
+    throw;
   }
 }
 

@@ -82,6 +82,10 @@ MADE = {
     "objects": OfWidth,
     "methods": lambda width: OfWidth(width).run,
     "arrays": lambda width: of_width(np.full(3, width)),
+    "meshes": lambda width: partial(
+        lambda mesh, job: everything_is_cloth(job) | {"width": mesh.vertices[0, 0]},
+        d.Mesh(np.eye(3) * width, [[0, 1, 2]]),
+    ),
     "edited": lambda width: eval(f"lambda job: everything_is_cloth(job) | {{'width': {width}}}", globals()),
 }
 

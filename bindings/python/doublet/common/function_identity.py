@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import warnings
 from functools import partial
 from types import BuiltinFunctionType, CellType, CodeType, FunctionType, MethodType, ModuleType
 
@@ -58,7 +59,23 @@ def parts(value) -> list:
         return list(value)
     if type(value) is dict:
         return [part for item in value.items() for part in item]
-    return list(value.__reduce_ex__(4)) if not isinstance(value, partial) else [value.func, value.args, value.keywords]
+    if isinstance(value, partial):
+        return [value.func, value.args, value.keywords]
+    try:
+        return list(value.__reduce_ex__(4))
+    except TypeError:
+        return properties(value)
+
+
+def properties(value) -> list:
+    """Of an object of the native half that cannot be pickled: the names and values of its properties."""
+    kind = type(value)
+    names = [name for name in dir(kind) if isinstance(getattr(kind, name), property)]
+    if not kind.__module__.startswith(__name__.partition(".")[0] + ".") or not names:
+        raise TypeError(f"no value of a {kind.__name__} tells it from another")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return [part for name in names for part in (name, getattr(value, name))]
 
 
 def hashed(kind: str, of: list[bytes]) -> bytes:
