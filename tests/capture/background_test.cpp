@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <random>
 #include <regex>
+#include <utility>
 
 namespace doublet {
 namespace background_test {
@@ -211,6 +212,24 @@ TEST_F(ThreeCameras, EveryCameraGetsTheMethodThatFits) {
   room(true, 2, &truth, 0.15 + 0.085 * 2);
   for (int c = 0; c < 3; ++c)
     EXPECT_GT(mask_iou(extractor->extract(c, frames->image(c, 2)), truth), 0.95) << c;
+}
+
+TEST_F(ThreeCameras, OnAnyNumberOfThreadsLearnTheSame) {
+  const Session session = read_session(folder.path());
+  const auto masks = [&](int threads) {
+    const auto frames = FrameSource::open(session);
+    context.threads = threads;
+    const auto extractor = session_silhouettes(session, *frames, {}, context);
+    std::vector<std::vector<std::uint8_t>> found;
+    for (int c = 0; c < 3; ++c)
+      found.push_back(extractor->extract(c, frames->image(c, 2)).data);
+    return found;
+  };
+  const auto one_by_one = masks(1);
+  const std::vector<std::string> then_said = std::exchange(said, {});
+  EXPECT_EQ(masks(2), one_by_one);
+  EXPECT_EQ(said, then_said);
+  EXPECT_EQ(masks(3), one_by_one);
 }
 
 TEST_F(ThreeCameras, AMethodThatDoesNotFitIsRefused) {

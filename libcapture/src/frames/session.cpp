@@ -1,6 +1,7 @@
 #include "doublet/capture/session.h"
 
 #include "calibration/calibration_formats.h"
+#include "doublet/core/context.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
@@ -293,12 +294,13 @@ Session read_session(const fs::path &folder) {
     session.markers = existing(session.folder, markers, "file of joints", source);
     read_joints(session.markers, session);
   }
-  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
-    const int needed = session.cameras[c].first_frame + session.frame_count;
-    session.cameras[c].video_fps = check_frames(session.cameras[c].video, needed, session.rig[c]);
-    check_frames(session.cameras[c].masks, needed, session.rig[c]);
-    check_plates(session.cameras[c].background, session.rig[c]);
-  }
+  parallel_for({}, static_cast<int>(session.cameras.size()), [&](int c) { // each waits for programs that decode
+    SessionCamera &camera = session.cameras[c];
+    const int needed = camera.first_frame + session.frame_count;
+    camera.video_fps = check_frames(camera.video, needed, session.rig[c]);
+    check_frames(camera.masks, needed, session.rig[c]);
+    check_plates(camera.background, session.rig[c]);
+  });
   if (const std::string keypoints = text_or(json, "keypoints", where); !keypoints.empty()) {
     session.keypoints = existing(session.folder, keypoints, "file of keypoints", source);
     detail::read_keypoints(session.keypoints, session.cameras, session.frame_count);

@@ -6,18 +6,31 @@
 #include "frames/lens_map.h"
 #include "outline_refinement.h"
 
+#include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
 namespace doublet {
 namespace {
 
+/// What one camera has learnt: one of the two, or nothing if its ready masks have no images.
+struct Trained {
+  std::string method; ///< in words
+  std::shared_ptr<SilhouetteExtractor> extractor;
+  std::optional<detail::OutlineRefiner> refiner;
+};
+
 /// Each camera's own extractor.
 class SessionSilhouettes : public SilhouetteExtractor {
 public:
-  void add(int camera, std::shared_ptr<SilhouetteExtractor> extractor) { extractors_[camera] = std::move(extractor); }
-  void add(int camera, detail::OutlineRefiner refiner) { refiners_.emplace(camera, std::move(refiner)); }
+  void add(int camera, Trained trained) {
+    if (trained.extractor)
+      extractors_[camera] = std::move(trained.extractor);
+    if (trained.refiner)
+      refiners_.emplace(camera, std::move(*trained.refiner));
+  }
   void has_masks(int camera) { ready_.insert(camera); }
   void train(int camera, const std::vector<Image> &images) override { of(camera).train(camera, images); }
   void learn_actor(int camera, const std::vector<Image> &images) override { of(camera).learn_actor(camera, images); }
@@ -57,48 +70,42 @@ std::vector<Image> spread_images(FrameSource &frames, int camera, int count) {
   return images;
 }
 
-/// Trains the extractor of one camera by the first method that fits; returns what it used, in words.
+/// Trains the extractor of one camera by the first method that fits. Threads: several cameras at once.
 class Trainer {
 public:
   Trainer(const Session &session, FrameSource &frames, const SilhouetteOptions &options)
-      : session_(session), frames_(frames), options_(options), key_(SilhouetteExtractor::create(options.key)),
-        background_(SilhouetteExtractor::create(options.background)) {}
+      : session_(session), frames_(frames), options_(options) {}
 
-  std::string train(int camera, SessionSilhouettes &all) {
+  Trained train(int camera) const {
     const SilhouetteMethod method = options_.method;
     const std::string name = "camera '" + session_.cameras[camera].name + "'";
     if (!session_.cameras[camera].masks.empty())
-      return refine_masks(camera, all);
+      return refine_masks(camera);
     const bool automatic = method == SilhouetteMethod::Auto;
     if (method == SilhouetteMethod::Plates || (automatic && !session_.cameras[camera].background.empty())) {
       if (session_.cameras[camera].background.empty())
         throw Error(session_.folder.string() + ": " + name +
                     " has no clean plate (\"background\" in session.json), which the "
                     "silhouette method 'plates' needs");
-      background_->train(camera, plates(camera));
-      learn_actor(camera);
-      all.add(camera, background_);
-      return "difference to its clean plate";
+      return {"difference to its clean plate", background(camera, plates(camera)), {}};
     }
     std::string why;
     if (method == SilhouetteMethod::Key || automatic)
       try {
-        key_->train(camera, require_images(spread_images(frames_, camera, 3), name));
-        all.add(camera, key_);
-        return "key colour";
+        std::shared_ptr<SilhouetteExtractor> key = SilhouetteExtractor::create(options_.key);
+        key->train(camera, require_images(spread_images(frames_, camera, 3), name));
+        return {"key colour", std::move(key), {}};
       } catch (const Error &error) {
         if (!automatic)
           throw;
         why = std::string(" (") + error.what() + ")";
       }
-    background_->train(camera, require_images(spread_images(frames_, camera, options_.median_frames), name));
-    learn_actor(camera);
-    all.add(camera, background_);
-    return "difference to the median of its frames" + why;
+    const std::vector<Image> images = require_images(spread_images(frames_, camera, options_.median_frames), name);
+    return {"difference to the median of its frames" + why, background(camera, images), {}};
   }
 
 private:
-  std::string refine_masks(int camera, SessionSilhouettes &all) {
+  Trained refine_masks(int camera) const {
     std::vector<Image> images, masks;
     int missing = 0;
     for (int frame : spread_frames(frames_, options_.median_frames)) {
@@ -116,14 +123,21 @@ private:
       masks.push_back(std::move(mask));
     }
     if (images.empty())
-      return "ready masks, none of which has an image";
+      return {"ready masks, none of which has an image", {}, {}};
     const double error = options_.mask_error * images[0].height / 1004;
-    all.add(camera, detail::OutlineRefiner(error, options_.background, images, masks));
     const std::string without = missing > 0 ? ", of which " + std::to_string(missing) + " frames looked at have none" : "";
-    return "ready masks" + without + ", their outlines as the images have them";
+    return {"ready masks" + without + ", their outlines as the images have them",
+            {},
+            detail::OutlineRefiner(error, options_.background, images, masks)};
   }
 
-  void learn_actor(int camera) { background_->learn_actor(camera, spread_images(frames_, camera, options_.actor_frames)); }
+  /// Subtracts what `plates` have in common, and knows the actor.
+  std::shared_ptr<SilhouetteExtractor> background(int camera, const std::vector<Image> &plates) const {
+    std::shared_ptr<SilhouetteExtractor> extractor = SilhouetteExtractor::create(options_.background);
+    extractor->train(camera, plates);
+    extractor->learn_actor(camera, spread_images(frames_, camera, options_.actor_frames));
+    return extractor;
+  }
 
   std::vector<Image> plates(int camera) const {
     const std::vector<Lens> &lenses = session_.lenses;
@@ -142,7 +156,6 @@ private:
   const Session &session_;
   FrameSource &frames_;
   const SilhouetteOptions &options_;
-  std::shared_ptr<SilhouetteExtractor> key_, background_;
 };
 
 } // namespace
@@ -150,21 +163,30 @@ private:
 std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
                                                          const SilhouetteOptions &options, const Context &context) {
   options.validate();
+  const Trainer trainer(session, frames, options);
+  const int count = static_cast<int>(session.cameras.size()), at_once = context.thread_count();
+  std::vector<Trained> trained(count);
+  for (int first = 0; first < count; first += at_once) {
+    context.report_progress("silhouettes", double(first) / count);
+    parallel_for(context, std::min(at_once, count - first), [&](int i) {
+      const SessionCamera &camera = session.cameras[first + i];
+      if (camera.masks.empty() || (!camera.video.empty() && options.mask_error > 0))
+        trained[first + i] = trainer.train(first + i);
+    });
+  }
   auto all = std::make_unique<SessionSilhouettes>();
-  Trainer trainer(session, frames, options);
   std::map<std::string, std::string> cameras; // by method
-  const int count = static_cast<int>(session.cameras.size());
-  bool needed = false; // with images beside ready masks, too: one of them may be missing
+  bool needed = false;                        // with images beside ready masks, too: one of them may be missing
   for (int c = 0; c < count; ++c) {
-    context.report_progress("silhouettes", double(c) / count);
     const SessionCamera &camera = session.cameras[c];
     if (!camera.masks.empty())
       all->has_masks(c);
     needed = needed || camera.masks.empty() || !camera.video.empty();
-    if (camera.masks.empty() || (!camera.video.empty() && options.mask_error > 0)) {
-      std::string &names = cameras[trainer.train(c, *all)];
-      names += (names.empty() ? "" : ", ") + camera.name;
-    }
+    if (trained[c].method.empty())
+      continue;
+    std::string &names = cameras[trained[c].method];
+    names += (names.empty() ? "" : ", ") + camera.name;
+    all->add(c, std::move(trained[c]));
   }
   for (const auto &[method, names] : cameras)
     context.log_line("silhouettes: " + names + ": " + method);
@@ -182,12 +204,13 @@ CameraView read_view(FrameSource &frames, int camera, int frame, const Silhouett
 
 FrameViews read_views(const Session &session, int frame, const SilhouetteExtractor *extractor) {
   const auto source = FrameSource::open(session);
-  FrameViews views;
-  for (int camera = 0; camera < source->camera_count(); ++camera) {
+  const int count = source->camera_count();
+  FrameViews views{std::vector<Image>(count), std::vector<Image>(count)};
+  parallel_for({}, count, [&](int camera) {
     auto [image, mask] = read_view(*source, camera, frame, extractor);
-    views.images.push_back(std::move(image));
-    views.masks.push_back(std::move(mask));
-  }
+    views.images[camera] = std::move(image);
+    views.masks[camera] = std::move(mask);
+  });
   return views;
 }
 
