@@ -4,11 +4,13 @@
 
 DOUBLET_HARNESS(calibration) {
   using namespace doublet;
-  static const std::set<std::string> kAlone{"calibration.yml", "Calib.toml", "session.qca.txt"}; // others are files of a folder
-  static const std::set<std::string> kNames{"calibration.yml", "Calib.toml", "session.qca.txt", "intri.yml",  "extri.yml",
-                                            "cameras.txt",     "images.txt", "cameras.bin",     "images.bin", "cam0.yml",
-                                            "cam1.yml",        "cam0.xml",   "cam0.json"};
-  const auto files = fuzz::files_of(input, kNames);
+  // Others are files of a folder.
+  static const std::set<std::string> kAlone{"calibration.yml",         "Calib.toml",      "session.qca.txt", "setting.json",
+                                            "calibration_studio.json", "transforms.json", "cameras.xml",     "calibration.csv"};
+  std::set<std::string> names{"intri.yml",  "extri.yml", "cameras.txt", "images.txt", "cameras.bin",
+                              "images.bin", "cam0.yml",  "cam1.yml",    "cam0.xml",   "cam0.json"};
+  names.insert(kAlone.begin(), kAlone.end());
+  const auto files = fuzz::files_of(input, names);
   std::filesystem::remove_all(fuzz::folder() / "calibration");
   std::filesystem::create_directories(fuzz::folder() / "calibration");
   for (const auto &[name, content] : files)

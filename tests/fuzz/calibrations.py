@@ -155,6 +155,28 @@ def write_metashape(folder: Path) -> None:
     (folder / "cameras.xml").write_text(f'<?xml version="1.0"?><document version="2.0.0"><chunk>{text}</chunk></document>')
 
 
+def write_nerfstudio(folder: Path) -> None:
+    """A focal length, and what is alike, ahead of the frames; cameras that look along -Z."""
+    head = dict(zip(("fl_x", "fl_y", "cx", "cy"), (K[0, 0], K[1, 1], K[0, 2] + 0.5, K[1, 2] + 0.5)))
+    head |= {"camera_model": "OPENCV", "w": SIZE[0], **dict(zip(("k1", "k2", "p1", "p2"), TERMS))}
+    frames = []
+    for name, (R, t) in poses().items():
+        R, pose = R @ Z_UP.T, np.eye(4)
+        pose[:3, :3], pose[:3, 3] = R.T @ np.diag([1, -1, -1]), -R.T @ t
+        frames.append({"file_path": f"./images/{name}/0001.png", "h": SIZE[1], "transform_matrix": pose.tolist()})
+    (folder / "transforms.json").write_text(json.dumps({**head, "frames": frames}))
+
+
+def write_actorshq(folder: Path) -> None:
+    text = "name, w, h, rx, ry, rz, tx, ty, tz, fx, fy, px, py, k1, k2\n"
+    for name, (R, t) in poses().items():
+        q = quaternion(R.T)
+        vector = 2 * np.arccos(q[0]) * q[1:] / np.linalg.norm(q[1:])
+        lens = [K[0, 0] / SIZE[0], K[1, 1] / SIZE[1], (K[0, 2] + 0.5) / SIZE[0], (K[1, 2] + 0.5) / SIZE[1], *TERMS[:2]]
+        text += f"{name}, {SIZE[0]}, {SIZE[1]}, {rows([*vector, *(-R.T @ t), *lens])}\n"
+    (folder / "calibration.csv").write_text(text)
+
+
 WRITERS = {
     "opencv": (write_opencv, "", ["cam0.yml", "cam1.yml"]),
     "easymocap": (write_easymocap, "", ["intri.yml", "extri.yml"]),
@@ -165,7 +187,10 @@ WRITERS = {
     "anipose": (write_anipose, "setting.json", ["setting.json"]),
     "panoptic": (write_panoptic, "calibration_studio.json", ["calibration_studio.json"]),
     "metashape": (write_metashape, "cameras.xml", ["cameras.xml"]),
+    "nerfstudio": (write_nerfstudio, "transforms.json", ["transforms.json"]),
+    "actorshq": (write_actorshq, "calibration.csv", ["calibration.csv"]),
 }
+TERMS_OF = {"actorshq": [*TERMS[:2], 0, 0]}  #: of formats that cannot have TERMS
 
 
 def write_all(folder: Path) -> dict[str, tuple[Path, list[Path]]]:

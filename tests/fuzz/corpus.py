@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+import calibrations
 import doublet as d
 import numpy as np
 from seeds import AMC, ASF, BVH, World, make_seeds, tube
@@ -63,7 +64,7 @@ def main() -> None:
         put("bvh", "walk", BVH)
         put("gltf_motion", "clip.glb", formats["clip"][0][0].read_bytes())
         put("acclaim", "person", f"==== person.asf\n{ASF}==== person.amc\n{AMC}")
-        for name in ("opencv", "easymocap", "colmap_text", "colmap_binary", "toml", "qualisys"):
+        for name in calibrations.WRITERS:
             put("calibration", name, container(formats[name][0]))
         put("calibration", "doublet", container([Path(folder) / "session" / "calibration.yml"]))
         put("calibration", "lenses", b"==== calibration.yml\n" + formats["lenses"][0][0].read_bytes())

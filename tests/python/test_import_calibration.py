@@ -1,5 +1,7 @@
 """`doublet import-calibration`, and the cameras of a Blender scene."""
 
+import json
+import re
 import runpy
 import sys
 from pathlib import Path
@@ -28,7 +30,8 @@ def test_every_format_gives_the_same_cameras(name, tmp_path, capsys):
         np.testing.assert_allclose(read.camera.K, calibrations.K, atol=1e-9)
         np.testing.assert_allclose(read.camera.R, R, atol=1e-9)
         np.testing.assert_allclose(read.camera.t, t, atol=1e-9)
-        np.testing.assert_allclose(read.camera.distortion, [*calibrations.TERMS, 0], atol=1e-12)
+        terms = calibrations.TERMS_OF.get(name, calibrations.TERMS)
+        np.testing.assert_allclose(read.camera.distortion, [*terms, 0], atol=1e-12)
 
 
 def test_the_format_may_be_said(tmp_path):
@@ -159,6 +162,88 @@ def test_a_fisheye_says_so(tmp_path, flag, fisheye):
             d.read_calibration(path)
     else:
         assert [c.lens.fisheye for c in d.read_calibration(path)] == [fisheye, fisheye]
+
+
+# --- transforms.json of radiance fields
+
+
+def transforms(tmp_path, change) -> Path:
+    path, _ = calibrations.write_all(tmp_path)["nerfstudio"]
+    file = json.loads(path.read_text())
+    change(file)
+    path.write_text(json.dumps(file))
+    return path
+
+
+def test_a_radiance_field_of_a_fisheye(tmp_path):
+    path = transforms(tmp_path, lambda file: file.update(camera_model="OPENCV_FISHEYE", k3=0.01, k4=-0.02))
+    for camera in d.read_calibration(path.parent):  # the folder does, too
+        assert camera.lens.fisheye
+        np.testing.assert_array_equal(camera.lens.distortion, [*calibrations.TERMS[:2], 0.01, -0.02])
+
+
+def test_a_radiance_field_with_an_angle_and_no_size(tmp_path):
+    def blender(file):
+        for frame in file["frames"]:
+            del frame["h"]
+        for key in [key for key in file if key != "frames"]:
+            del file[key]
+        file["camera_angle_x"] = 0.7
+
+    path = transforms(tmp_path, blender)
+    with pytest.raises(d.Error, match="expected a size of the images, found none"):
+        d.read_calibration(path)
+    camera = d.read_calibration(path, d.CalibrationOptions(image_width=800, image_height=600))[0].camera
+    focal = 400 / np.tan(0.35)
+    np.testing.assert_allclose(camera.K, [[focal, 0, 399.5], [0, focal, 299.5], [0, 0, 1]])
+
+
+def test_names_of_a_radiance_fields_cameras(tmp_path):
+    def named(file):
+        for frame, name in zip(file["frames"], ("Cam.01", "Cam.02")):
+            frame["camera_name"] = name
+
+    assert [c.camera.name for c in d.read_calibration(transforms(tmp_path, named))] == ["Cam_01", "Cam_02"]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"camera_model": "EQUIRECTANGULAR"}, '"camera_model" of a perspective or fisheye lens, found EQUIRECTANGULAR'),
+        ({"k4": 0.1}, 'no "k4" of a lens that is no fisheye'),
+        ({"fl_x": 0}, 'expected "fl_x" or "camera_angle_x"'),
+        ({"from_na": True}, "look along -Z"),
+        ({"fl_x": "long"}, "an entry that cannot be read"),
+        ({"frames": []}, "expected a list of 1 to 1000 cameras"),
+        ({"frames": [{"file_path": "a.png", "h": 9}]}, '"transform_matrix" to be 12 or 16 numbers, found none'),
+        ({"frames": [3]}, "an entry that cannot be read"),
+    ],
+)
+def test_a_radiance_field_that_does_not_do(tmp_path, change, said):
+    path = transforms(tmp_path, lambda file: file.update(change))
+    with pytest.raises(d.Error, match=re.escape(said)):
+        d.read_calibration(path)
+
+
+# --- ActorsHQ
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ((", fy", ", focal"), 'line 2: expected a column "fy", found none'),
+        (("cam1, 1088", "cam1"), "line 3: expected 15 cells as the first line has, found 14"),
+        (("cam1, 1088", "cam1, wide"), "line 3: expected w to be a number, found 'wide'"),
+        (("cam1, 1088", "cam1, 0"), "line 3: expected a size of the images, found none"),
+        (("cam1", "cam0"), "expected the names of cameras to differ"),
+    ],
+)
+def test_a_table_of_cameras_that_does_not_do(tmp_path, change, said):
+    path, _ = calibrations.write_all(tmp_path)["actorshq"]
+    assert change[0] in path.read_text()
+    path.write_text(path.read_text().replace(*change))
+    with pytest.raises(d.Error, match=re.escape(said)):
+        d.read_calibration(path)
 
 
 # --- Blender

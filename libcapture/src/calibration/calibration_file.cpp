@@ -27,11 +27,11 @@ struct Convention {
   const char *units, *up;
   bool declared; // says so in its definition
 };
-const std::map<std::string, Convention> kConventions = {{"doublet", {"m", "y", true}},    {"opencv", {"m", "y", false}},
-                                                        {"colmap", {"m", "y", false}},    {"easymocap", {"m", "z", false}},
-                                                        {"toml", {"m", "z", false}},      {"qualisys", {"mm", "z", false}},
-                                                        {"anipose", {"m", "y", false}},   {"panoptic", {"cm", "-y", false}},
-                                                        {"metashape", {"m", "z", false}}, {"opencv_fisheye", {"m", "y", false}}};
+const std::map<std::string, Convention> kConventions = {
+    {"doublet", {"m", "y", true}},         {"opencv", {"m", "y", false}},     {"colmap", {"m", "y", false}},
+    {"easymocap", {"m", "z", false}},      {"toml", {"m", "z", false}},       {"qualisys", {"mm", "z", false}},
+    {"anipose", {"m", "y", false}},        {"panoptic", {"cm", "-y", false}}, {"metashape", {"m", "z", false}},
+    {"opencv_fisheye", {"m", "y", false}}, {"nerfstudio", {"m", "z", false}}, {"actorshq", {"m", "y", false}}};
 
 const std::map<std::string, double> kUnits = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}};
 
@@ -45,6 +45,8 @@ double metres(const std::string &units) {
 
 // --- which format
 
+constexpr const char *kTransforms = "transforms.json"; // as most programs of radiance fields call it
+
 std::string folder_format(const fs::path &folder) {
   for (const char *name : {"cameras.bin", "cameras.txt", "images.bin", "images.txt"})
     if (fs::exists(folder / name))
@@ -52,14 +54,18 @@ std::string folder_format(const fs::path &folder) {
   for (const char *name : {"intri.yml", "extri.yml"})
     if (fs::exists(folder / name))
       return "easymocap";
+  if (fs::exists(folder / kTransforms))
+    return "nerfstudio";
   if (!detail::opencv_files(folder).empty())
     return "opencv";
   for (const char *inside : {"0", "sparse/0", "sparse"})
     if (fs::exists(folder / inside / "cameras.bin") || fs::exists(folder / inside / "cameras.txt"))
       throw Error(folder.string() + ": expected a folder with a calibration, found a model of COLMAP in a folder inside: say " +
                   (folder / inside).string());
-  throw Error(folder.string() +
-              ": expected cameras.txt or .bin (COLMAP), intri.yml (EasyMocap) or OpenCV files, found none of them");
+  throw Error(
+      folder.string() +
+      ": expected cameras.txt or .bin (COLMAP), intri.yml (EasyMocap), transforms.json (Nerfstudio) or OpenCV files, found "
+      "none of them");
 }
 
 std::string file_format(const fs::path &path) {
@@ -68,14 +74,20 @@ std::string file_format(const fs::path &path) {
     return "easymocap";
   if (name == "cameras.bin" || name == "cameras.txt" || name == "images.bin" || name == "images.txt")
     return "colmap";
+  if (name == kTransforms)
+    return "nerfstudio";
   if (path.extension() == ".toml")
     return "toml";
+  if (path.extension() == ".csv")
+    return "actorshq";
   const std::string text = plain_text(read_text(path), path.string());
   const std::size_t begin = std::min(text.find_first_not_of(" \t\n"), text.size());
   if (text.compare(begin, 1, "[") == 0)
     return "anipose";
   if (text.compare(begin, 1, "{") == 0 && text.find("\"distCoef\"") != std::string::npos)
     return "panoptic";
+  if (text.compare(begin, 1, "{") == 0 && text.find("\"transform_matrix\"") != std::string::npos)
+    return "nerfstudio";
   if (text.find("<sensors") != std::string::npos && text.find("<document") != std::string::npos)
     return "metashape";
   if (text.find("<calibration") != std::string::npos)
@@ -84,7 +96,8 @@ std::string file_format(const fs::path &path) {
     return detail::opencv_dialect(path);
   throw Error(path.string() +
               ": expected a calibration of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic "
-              "Studio or Metashape, found a file that looks like none of them (format, --format: says which it is)");
+              "Studio, Metashape, Nerfstudio or ActorsHQ, found a file that looks like none of them (format, --format: says "
+              "which it is)");
 }
 
 std::string format_of(const fs::path &path, const CalibrationOptions &options) {
@@ -105,6 +118,8 @@ std::vector<CalibratedCamera> read_as(const std::string &format, const fs::path 
     return detail::read_easymocap_calibration(inside, size);
   if (format == "opencv" || format == "opencv_fisheye")
     return detail::read_opencv_calibration(path, size, format == "opencv_fisheye");
+  if (format == "nerfstudio")
+    return detail::read_nerfstudio_calibration(folder ? path / kTransforms : path, size);
   if (folder)
     throw Error(path.string() + ": expected a file, as the format " + format + " is one, found a folder");
   if (format == "toml")
@@ -115,6 +130,8 @@ std::vector<CalibratedCamera> read_as(const std::string &format, const fs::path 
     return detail::read_panoptic_calibration(path, left_out);
   if (format == "metashape")
     return detail::read_metashape_calibration(path, left_out);
+  if (format == "actorshq")
+    return detail::read_actorshq_calibration(path);
   return format == "qualisys" ? detail::read_qualisys_calibration(path, left_out) : detail::read_doublet_calibration(path);
 }
 
@@ -344,6 +361,20 @@ ImageSize chosen_size(ImageSize found, ImageSize given, const std::string &where
 void set_size(CalibratedCamera &camera, ImageSize size) {
   camera.camera.width = size.width;
   camera.camera.height = size.height;
+}
+
+std::vector<std::string> camera_names(const std::vector<std::string> &images) {
+  std::vector<std::string> stems, folders, paths;
+  for (const std::string &image : images) {
+    stems.push_back(fs::path(image).stem().string());
+    folders.push_back(fs::path(image).parent_path().filename().string());
+    paths.push_back(fs::path(image).parent_path().string());
+  }
+  for (const std::vector<std::string> *names : {&stems, &folders, &paths})
+    if (const std::set<std::string> different(names->begin(), names->end());
+        different.size() == names->size() && !different.count(""))
+      return *names;
+  return stems;
 }
 
 void require_lens(const Lens &lens) {

@@ -36,6 +36,10 @@ std::vector<CalibratedCamera> read_qualisys_calibration(const std::filesystem::p
 std::vector<CalibratedCamera> read_anipose_calibration(const std::filesystem::path &path, ImageSize size);
 /// JSON of CMU's Panoptic Studio; of its kinds of cameras the HD ones, if there are any.
 std::vector<CalibratedCamera> read_panoptic_calibration(const std::filesystem::path &path, std::vector<std::string> &left_out);
+/// transforms.json of Nerfstudio, Instant NGP and other radiance fields.
+std::vector<CalibratedCamera> read_nerfstudio_calibration(const std::filesystem::path &path, ImageSize size);
+/// calibration.csv of ActorsHQ.
+std::vector<CalibratedCamera> read_actorshq_calibration(const std::filesystem::path &path);
 /// XML that Metashape exports ("Agisoft XML").
 std::vector<CalibratedCamera> read_metashape_calibration(const std::filesystem::path &path, std::vector<std::string> &left_out);
 
@@ -57,6 +61,8 @@ ImageSize size_from(const std::vector<double> &numbers);
 /// The size of the file, or the one given if the file has none. Throws Error if there is neither.
 ImageSize chosen_size(ImageSize found, ImageSize given, const std::string &where);
 void set_size(CalibratedCamera &camera, ImageSize size);
+/// Of cameras whose images are cam0.png, cam1.png, or cam0/0001.png, cam1/0001.png.
+std::vector<std::string> camera_names(const std::vector<std::string> &images);
 /// Throws std::invalid_argument if there is no lens of so many numbers of distortion.
 void require_lens(const Lens &lens);
 /// Throws Error if the numbers, or their combination, make no sense.

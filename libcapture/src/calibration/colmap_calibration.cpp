@@ -12,7 +12,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
-#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -253,20 +252,6 @@ CalibratedCamera posed(const Intrinsics &cameras, const Picture &picture, const 
   return result;
 }
 
-/// Images are cam0.png, cam1.png, or cam0/0001.png, cam1/0001.png.
-std::vector<std::string> camera_names(const std::vector<Picture> &pictures) {
-  std::vector<std::string> stems, folders;
-  for (const Picture &picture : pictures) {
-    stems.push_back(fs::path(picture.name).stem().string());
-    folders.push_back(fs::path(picture.name).parent_path().string());
-  }
-  const auto differ = [](const std::vector<std::string> &names) {
-    const std::set<std::string> different(names.begin(), names.end());
-    return different.size() == names.size() && !different.count("");
-  };
-  return differ(stems) || !differ(folders) ? stems : folders;
-}
-
 } // namespace
 
 std::vector<CalibratedCamera> read_colmap_calibration(const fs::path &folder) {
@@ -274,7 +259,10 @@ std::vector<CalibratedCamera> read_colmap_calibration(const fs::path &folder) {
   const fs::path images = folder / (binary ? "images.bin" : "images.txt");
   const Intrinsics cameras = binary ? read_cameras_binary(folder / "cameras.bin") : read_cameras_text(folder / "cameras.txt");
   const std::vector<Picture> pictures = binary ? read_images_binary(images) : read_images_text(images);
-  const std::vector<std::string> names = camera_names(pictures);
+  std::vector<std::string> names;
+  for (const Picture &picture : pictures)
+    names.push_back(picture.name);
+  names = camera_names(names);
   std::vector<CalibratedCamera> result;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     result.push_back(posed(cameras, pictures[i], images.string()));

@@ -144,9 +144,9 @@ public:
 
   /// The limbs that are lost are sought, and all is optimised again, as long as that helps.
   Found with_lost_limbs(const Found &found) const {
-    constexpr int kRounds = 2;
+    constexpr int kLimbRounds = 2;
     Found best = found;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kLimbRounds; ++round) {
       const std::vector<Limb> lost = lost_limbs(best.dofs);
       if (lost.empty())
         break;

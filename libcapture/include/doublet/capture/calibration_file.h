@@ -1,6 +1,6 @@
 #pragma once
 // Calibrations of other programs (docs/calibration.md): OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope,
-// anipose, Qualisys, Panoptic Studio, Metashape.
+// anipose, Qualisys, Panoptic Studio, Metashape, Nerfstudio, ActorsHQ.
 
 #include "doublet/core/camera.h"
 #include "doublet/core/context.h"
@@ -47,11 +47,14 @@ enum class CalibrationFormat {
   Anipose,
   Panoptic,
   Metashape,
-  OpenCvFisheye
+  OpenCvFisheye,
+  Nerfstudio,
+  ActorsHq
 };
 /// In the order of CalibrationFormat.
-inline constexpr std::array kCalibrationFormatNames{"found",    "doublet", "opencv",   "colmap",    "easymocap",     "toml",
-                                                    "qualisys", "anipose", "panoptic", "metashape", "opencv_fisheye"};
+inline constexpr std::array kCalibrationFormatNames{"found",          "doublet",    "opencv",  "colmap",   "easymocap",
+                                                    "toml",           "qualisys",   "anipose", "panoptic", "metashape",
+                                                    "opencv_fisheye", "nerfstudio", "actorshq"};
 /// Found = the one that the format usually has.
 enum class UpAxis { Found, X, MinusX, Y, MinusY, Z, MinusZ };
 inline constexpr std::array kUpAxisNames{"found", "x", "-x", "y", "-y", "z", "-z"}; ///< in the order of UpAxis
