@@ -138,8 +138,7 @@ void bind_calibration(py::module_ &m) {
   m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic Studio, Metashape, Nerfstudio or "
-        "ActorsHQ, or of a "
-        "calibration.yml, in metres and with +Y up. The context's log says which were left out.");
+        "ActorsHQ, or of a calibration.yml, in metres and with +Y up. The context's log says which were left out.");
   m.def("write_calibration", &write_calibration, py::arg("path"), py::arg("cameras"), Release(),
         "Writes calibration.yml of a session, atomically; also accepts Camera objects.");
 }

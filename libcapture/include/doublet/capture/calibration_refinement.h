@@ -13,7 +13,7 @@ namespace doublet {
 
 struct CalibrationRefinementOptions {
   int moments = 20;
-  int iterations = 20;
+  int iterations = 10;
   int rims_per_view = 300;
   int raster_size = 512;
   double rotation = 0.5 * std::numbers::pi / 180;
