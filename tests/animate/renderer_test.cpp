@@ -139,6 +139,25 @@ TEST(Picture, TheInnerSideIsDarker) {
   EXPECT_NEAR(inside, 0.6 * outside, 2);
 }
 
+TEST(Picture, TheFloorFadesExponentially) {
+  RenderOptions options;
+  options.background = {1, 1, 1};
+  const Camera camera = look_at({0.25, 1, 2}, {0.25, 0, 0}, 150, 160, 160);
+  const Image image = render({}, camera, options);
+  const Eigen::Vector3d eye = camera.centre();
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Eigen::Vector3d ray = camera.ray_direction({x, y}).normalized();
+      if (ray.y() > -0.01)
+        continue;
+      const Eigen::Vector3d spot = eye - eye.y() / ray.y() * ray;
+      const auto from_line = [](double at) { return std::abs(at - 0.5 * std::round(2 * at)) / 0.006; };
+      const double line = std::min(from_line(spot.x()), from_line(spot.z()));
+      const double floor = 0.86 - 0.10 * std::exp(-0.5 * line * line), left = std::exp(-(spot - eye).norm() / 12);
+      EXPECT_NEAR(image.at(x, y, 1), 255 * (1 - left * (1 - floor)), 0.7) << x << " " << y;
+    }
+}
+
 TEST(Picture, TheFloorHasAGridAndEndsAtTheHorizon) {
   RenderOptions options;
   const Camera camera = look_at({0.25, 1, 2}, {0.25, 0, 0}, 150, 160, 160);

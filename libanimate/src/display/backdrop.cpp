@@ -16,14 +16,16 @@ constexpr float kSteepest = 1e-3f;           // sine of the angle under the hori
 constexpr float kFade = 12;                  // m, over which the floor goes over into the sky
 constexpr float kLine = 0.006f, kGap = 0.5f; // m, half width of the grid's lines, and from one to the next
 
-/// exp(-x) for x >= 0, near enough for a fade, at a fraction of its time: (1 + x / 16)^-16.
-template <class Values> auto fading(const Values &x) {
-  return (1 + x * (1.0f / 16)).square().square().square().square().inverse();
+/// exp(x) for x >= 0, at a fraction of its time: the first terms of exp(x / 16), to the power of 16. Its inverse is off by 0.001
+/// at most.
+template <class Values> auto growth(const Values &x) {
+  return (1 + x * (1.0f / 16) * (1 + x * (0.5f / 16))).square().square().square().square();
 }
 
 /// The squared distance to the nearest line of the grid.
 template <class Values> auto to_line(const Values &x) {
-  return (x - kGap * (x * (1 / kGap) + 0.5f).floor()).square();
+  constexpr float kNoFraction = 12582912; // 1.5 * 2^23: added, it leaves no bits below 1, so that the sum is rounded
+  return (x - kGap * ((x * (1 / kGap) + kNoFraction) - kNoFraction)).square();
 }
 
 } // namespace
@@ -54,6 +56,14 @@ FloorShadow::FloorShadow(const std::vector<const Vertices *> &meshes, double flo
     blur(1, nx_, nx_, nz_);
     blur(nx_, nz_, 1, nx_);
   }
+}
+
+void FloorShadow::darken(const ArrayXf &x, const ArrayXf &z, ArrayXf &brightness) const {
+  const float x1 = x0_ + static_cast<float>(nx_ * kShadowCell), z1 = z0_ + static_cast<float>(nz_ * kShadowCell);
+  if (x.maxCoeff() < x0_ || x.minCoeff() > x1 || z.maxCoeff() < z0_ || z.minCoeff() > z1)
+    return; // all of a row is beside it
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    brightness[i] *= 1 - std::min(0.75f, 1.6f * at(x[i], z[i]));
 }
 
 float FloorShadow::at(float x, float z) const {
@@ -95,30 +105,24 @@ Backdrop::Backdrop(const std::vector<const Vertices *> &meshes, const Camera &ca
     shadow_ = FloorShadow(meshes, options.floor_height);
 }
 
-void Backdrop::find_rays(float first, float step, float y, int count) {
-  for (ArrayXf *values : {&ray_x_, &ray_y_, &ray_z_})
-    values->resize(count);
-  const ArrayXf x = ArrayXf::LinSpaced(count, first, first + step * static_cast<float>(count - 1));
-  rays_.along(x, y, {&ray_x_, &ray_y_, &ray_z_});
-}
-
 const ArrayXf &Backdrop::row(float first, float step, float y, int count) {
   brightness_.setOnes(count);
   if (!(drop_ < 0)) // no floor, or seen from below
     return brightness_;
-  find_rays(first, step, y, count);
-  along_ = (ray_x_.square() + ray_y_.square() + ray_z_.square()).sqrt(); // lengths
-  meets_ = (ray_y_ <= -kSteepest * along_).cast<float>();
-  if (!(meets_.maxCoeff() > 0))
+  const ArrayXf pixels = ArrayXf::LinSpaced(count, first, first + step * static_cast<float>(count - 1));
+  rays_.along(pixels, y, {&ray_x_, &ray_y_, &ray_z_});
+  if (!(ray_y_.minCoeff() < 0)) // above the horizon
     return brightness_;
-  x_ = drop_ / ray_y_.min(-kSteepest * along_); // ways to the floor, in lengths
-  along_ = fading(along_ * x_ * (1 / kFade));   // what of the floor is left
-  z_ = eye_.z() + x_ * ray_z_;
-  x_ = eye_.x() + x_ * ray_x_;
-  brightness_ = 0.86f - 0.10f * fading(to_line(x_).min(to_line(z_)) * (1 / (2 * kLine * kLine)));
-  for (int i = 0; i < count; ++i)
-    brightness_[i] *= 1 - std::min(0.75f, 1.6f * shadow_.at(x_[i], z_[i]));
-  brightness_ = 1 - meets_ * along_ * (1 - brightness_);
+  inverse_ = (ray_x_.square() + ray_y_.square() + ray_z_.square()).sqrt().inverse(); // of the rays' lengths
+  down_ = ray_y_ * -inverse_;                                                        // sine of the angle under the horizon
+  away_ = -drop_ / down_.max(kSteepest);                                             // m from the eye to the floor
+  inverse_ *= away_;
+  x_ = eye_.x() + inverse_ * ray_x_;
+  z_ = eye_.z() + inverse_ * ray_z_;
+  brightness_ = 0.86f - 0.10f / growth(to_line(x_).min(to_line(z_)) * (1 / (2 * kLine * kLine)));
+  shadow_.darken(x_, z_, brightness_);
+  // Of the floor there is nothing left far away, nor at the horizon.
+  brightness_ = 1 - (1 - brightness_) * down_.max(0).min(kSteepest) * (1 / kSteepest) / growth(away_ * (1 / kFade));
   return brightness_;
 }
 

@@ -13,9 +13,11 @@ class FloorShadow {
 public:
   FloorShadow() = default; ///< none
   FloorShadow(const std::vector<const Vertices *> &meshes, double floor);
-  float at(float x, float z) const;
+  /// The brightness of spots (x, z) of the floor, m.
+  void darken(const Eigen::ArrayXf &x, const Eigen::ArrayXf &z, Eigen::ArrayXf &brightness) const;
 
 private:
+  float at(float x, float z) const;
   std::size_t index(double x, double z) const;
   void blur(std::size_t stride, int length, std::size_t next, int lines);
 
@@ -32,14 +34,11 @@ public:
   const Eigen::ArrayXf &row(float first, float step, float y, int count);
 
 private:
-  void find_rays(float first, float step, float y, int count);
-
   PictureRays rays_;
   Eigen::Vector3f eye_;
   float drop_; ///< m up from the eye to the floor; not below 0 = it is not seen
   FloorShadow shadow_;
-  Eigen::ArrayXf ray_x_, ray_y_, ray_z_, along_, x_, z_, brightness_; ///< of a row
-  Eigen::ArrayXf meets_;                                              ///< the floor: 1; else 0
+  Eigen::ArrayXf ray_x_, ray_y_, ray_z_, inverse_, down_, away_, x_, z_, brightness_; ///< of a row
 };
 
 } // namespace doublet::detail

@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 namespace doublet {
@@ -18,8 +20,9 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
+using Eigen::Vector4f;
 
-using detail::Backdrop, detail::PictureRays, detail::TexturePyramid;
+using detail::Backdrop, detail::PictureRays, detail::TexturePyramid, detail::four;
 
 void require_mesh(const RenderMesh &mesh, const Vertices &vertices, std::size_t index) {
   const auto check = [&](bool good, const std::string &what) {
@@ -82,16 +85,10 @@ struct Scene {
   Mask shown;
 };
 
-/// Three numbers and an idle fourth, so that it is one register.
-using Eigen::Vector4f;
-Vector4f four(const Vector3f &v) {
-  return {v[0], v[1], v[2], 0};
-}
-
 /// A face as its pixels ask for it.
 struct Facet {
-  std::array<Vector4f, 3> shares; ///< times x, y, z of a ray: how much of each corner is where it meets the face
-  std::array<Vector4f, 3> normals;
+  std::array<Vector4f, 3> shares;  ///< times x, y, z of a ray: how much of each corner is where it meets the face
+  std::array<Vector4f, 3> normals; ///< towards the side that is seen
   std::array<Vector4f, 3> colours; ///< R G B of the corners, or u v if there is a texture
   const TexturePyramid *texture = nullptr;
   int level = 0;       ///< of the texture
@@ -99,7 +96,7 @@ struct Facet {
 };
 
 /// At barycentric coordinates of the corners.
-Vector4f mix(const std::array<Vector4f, 3> &values, const Vector4f &b) {
+inline Vector4f mix(const std::array<Vector4f, 3> &values, const Vector4f &b) {
   return b[0] * values[0] + b[1] * values[1] + b[2] * values[2];
 }
 
@@ -108,10 +105,11 @@ template <int samples> class Painter {
 public:
   Painter(const Scene &scene, const Camera &camera, const RenderOptions &options)
       : scene_(scene), camera_(camera), rays_(camera), eye_(camera.centre()), options_(options),
-        sky_(options.background.cast<float>()), light_(four(options.light_direction.normalized().cast<float>())),
+        sky_(four(options.background.cast<float>())), light_(four(options.light_direction.normalized().cast<float>())),
         seen_(rasterize_window(scene.vertices, scene.faces, camera, scene.shown, samples - 1)),
         facet_of_(static_cast<std::size_t>(scene.faces.rows()), -1) {
-    detail::sum_area_vectors(scene.vertices, scene.faces, normals_, scene.shown);
+    find_vertices();
+    facets_.reserve(facet_of_.size() / 2); // a surface hides its other side
   }
 
   Image picture() {
@@ -121,39 +119,72 @@ public:
       meshes.push_back(part.vertices);
     Backdrop backdrop(meshes, camera_, options_);
     const float middle = 0.5f * static_cast<float>(samples - 1);
-    // A pixel that is in part outside the window is empty: so wide is its margin.
-    const int left = (seen_.x + samples - 1) / samples, right = (seen_.x + seen_.buffer.width) / samples;
     for (int y = 0; y < image.height; ++y) {
       const Eigen::ArrayXf &behind =
           backdrop.row(middle, static_cast<float>(samples), static_cast<float>(samples * y) + middle, image.width);
-      fill_row(image, y, behind);
-      const int row = samples * y - seen_.y;
-      for (int x = left; x < right && row >= 0 && row + samples <= seen_.buffer.height; ++x)
-        paint(image, x, y, behind[x] * sky_);
+      fill_row(&image.at(0, y), behind);
+      paint_row(&image.at(0, y), y, behind);
     }
     return image;
   }
 
 private:
+  using Samples = std::array<int, samples * samples>; ///< of a pixel: the face that each sees, -1 = none
+
+  struct Vertex {
+    Vector4f from_eye, normal;
+  };
   /// What some samples of a pixel see, at their middle.
   struct Glimpse {
     int face, count;
     float x, y; ///< sums
   };
 
+  void find_vertices() {
+    Vertices normals;
+    detail::sum_area_vectors(scene_.vertices, scene_.faces, normals, scene_.shown);
+    vertices_.resize(static_cast<std::size_t>(normals.rows()));
+    for (Eigen::Index v = 0; v < normals.rows(); ++v) {
+      vertices_[v].from_eye = four((scene_.vertices.row(v).transpose() - eye_).cast<float>());
+      vertices_[v].normal = four(normals.row(v).cast<float>()).normalized(); // none stays none
+    }
+  }
+
+  void fill_row(std::uint8_t *to, const Eigen::ArrayXf &behind) const {
+    const float blue = 255 * sky_[2], green = 255 * sky_[1], red = 255 * sky_[0]; // within [0, 255], and so is a part of them
+    const float *from = behind.data();
+    for (Eigen::Index x = 0; x < behind.size(); ++x, to += 3) {
+      const float bright = from[x];
+      to[0] = static_cast<std::uint8_t>(bright * blue + 0.5f);
+      to[1] = static_cast<std::uint8_t>(bright * green + 0.5f);
+      to[2] = static_cast<std::uint8_t>(bright * red + 0.5f);
+    }
+  }
+
+  /// What stands before the backdrop.
+  void paint_row(std::uint8_t *row, int y, const Eigen::ArrayXf &behind) {
+    // A pixel that is in part outside the window is empty: so wide is its margin.
+    const int left = (seen_.x + samples - 1) / samples, right = (seen_.x + seen_.buffer.width) / samples;
+    const int top = samples * y - seen_.y;
+    if (top < 0 || top + samples > seen_.buffer.height)
+      return;
+    const std::size_t width = static_cast<std::size_t>(seen_.buffer.width);
+    const int *first = &seen_.buffer.face[top * width] + samples * left - seen_.x;
+    for (int x = left; x < right; ++x, first += samples) {
+      Samples faces;
+      for (int line = 0; line < samples; ++line)
+        std::copy_n(first + line * width, samples, faces.begin() + line * samples);
+      if (std::accumulate(faces.begin(), faces.end(), -1, std::bit_and<>()) != -1) // few pixels
+        set_pixel(row + 3 * x, colour(faces, x, y, behind[x] * sky_));
+    }
+  }
+
   /// Samples that see one face, or faces beside it, share its colour half way between them.
-  void paint(Image &image, int x, int y, const Vector3f &behind) {
-    const int width = seen_.buffer.width,
-              *first = &seen_.buffer.face[static_cast<std::size_t>(samples * y - seen_.y) * width] + samples * x - seen_.x;
-    int all = -1;
-    for (int sample = 0; sample < samples * samples; ++sample)
-      all &= first[sample / samples * width + sample % samples];
-    if (all == -1)
-      return; // most pixels
+  Vector4f colour(const Samples &faces, int x, int y, const Vector4f &behind) {
     std::array<Glimpse, samples * samples> glimpses;
     int kinds = 0, seen = 0;
     for (int sample = 0; sample < samples * samples; ++sample) {
-      const int sy = sample / samples, sx = sample % samples, face = first[sy * width + sx];
+      const int face = faces[sample];
       if (face < 0)
         continue;
       ++seen;
@@ -162,15 +193,16 @@ private:
         ++k;
       if (k == kinds)
         glimpses[kinds++] = {face, 0, 0, 0};
-      glimpses[k].x += static_cast<float>(samples * x + sx), glimpses[k].y += static_cast<float>(samples * y + sy);
+      glimpses[k].x += static_cast<float>(sample % samples), glimpses[k].y += static_cast<float>(sample / samples);
       ++glimpses[k].count;
     }
-    Vector3f sum = static_cast<float>(samples * samples - seen) * behind;
+    const auto left = static_cast<float>(samples * x), top = static_cast<float>(samples * y);
+    Vector4f sum = static_cast<float>(samples * samples - seen) * behind;
     for (int k = 0; k < kinds; ++k) {
       const auto count = static_cast<float>(glimpses[k].count);
-      sum += count * surface(facet(glimpses[k].face), glimpses[k].x / count, glimpses[k].y / count);
+      sum += count * surface(facet(glimpses[k].face), left + glimpses[k].x / count, top + glimpses[k].y / count);
     }
-    set_pixel(image, x, y, sum / static_cast<float>(samples * samples));
+    return sum * (1.0f / (samples * samples));
   }
 
   /// Is this the same smooth surface, seen from the same side?
@@ -179,25 +211,19 @@ private:
       return true;
     const int *v = scene_.faces.data() + 3 * static_cast<Eigen::Index>(face),
               *w = scene_.faces.data() + 3 * static_cast<Eigen::Index>(other);
-    if (std::find_first_of(v, v + 3, w, w + 3) == v + 3)
+    bool meet = false; // without a jump for each, which no processor could foresee
+    for (int i = 0; i < 3; ++i)
+      meet |= (v[i] == w[0]) | (v[i] == w[1]) | (v[i] == w[2]);
+    if (!meet)
       return false;
     const bool inside = facet(face).inside;
     return facet(other).inside == inside;
   }
 
-  void fill_row(Image &image, int y, const Eigen::ArrayXf &behind) const {
-    const float blue = 255 * sky_[2], green = 255 * sky_[1], red = 255 * sky_[0]; // within [0, 255], and so is a part of them
-    std::uint8_t *at = &image.at(0, y);
-    for (int x = 0; x < image.width; ++x, at += 3) {
-      at[0] = static_cast<std::uint8_t>(behind[x] * blue + 0.5f);
-      at[1] = static_cast<std::uint8_t>(behind[x] * green + 0.5f);
-      at[2] = static_cast<std::uint8_t>(behind[x] * red + 0.5f);
-    }
-  }
-  static void set_pixel(Image &image, int x, int y, const Vector3f &rgb) {
-    std::uint8_t *at = &image.at(x, y);
+  static void set_pixel(std::uint8_t *to, const Vector4f &rgb) {
+    const Vector4f levels = (rgb * 255 + Vector4f::Constant(0.5f)).cwiseMax(0).cwiseMin(255);
     for (int c = 0; c < 3; ++c)
-      at[c] = static_cast<std::uint8_t>(std::clamp(rgb[2 - c] * 255.0f + 0.5f, 0.0f, 255.0f));
+      to[c] = static_cast<std::uint8_t>(levels[2 - c]);
   }
 
   /// Made when the first pixel asks for it.
@@ -213,18 +239,18 @@ private:
     const int *v = scene_.faces.data() + 3 * static_cast<Eigen::Index>(face);
     std::array<Vector3f, 3> corners; // from the eye
     Facet facet;
-    for (int k = 0; k < 3; ++k) {
-      corners[k] = (scene_.vertices.row(v[k]).transpose() - eye_).cast<float>();
-      facet.normals[k] = four(normals_.row(v[k]).cast<float>()).normalized(); // none stays none
-    }
+    for (int k = 0; k < 3; ++k)
+      corners[k] = vertices_[v[k]].from_eye.template head<3>();
     // Volumes of the tetrahedra that the ray spans with each side: their shares are the coordinates.
     Eigen::Matrix3f across;
     for (int k = 0; k < 3; ++k)
       across.row(k) = corners[(k + 1) % 3].cross(corners[(k + 2) % 3]).transpose();
-    for (int axis = 0; axis < 3; ++axis)
-      facet.shares[axis] = four(across.col(axis));
     const float volume = across.row(0).dot(corners[0]);
     facet.inside = volume > 0;
+    for (int axis = 0; axis < 3; ++axis)
+      facet.shares[axis] = four((facet.inside ? 1 : -1) * across.col(axis));
+    for (int k = 0; k < 3; ++k)
+      facet.normals[k] = facet.inside ? Vector4f(-vertices_[v[k]].normal) : vertices_[v[k]].normal;
     const Eigen::Index in_part = face - part.first_face;
     if (!part.texture) {
       for (int k = 0; k < 3; ++k)
@@ -253,22 +279,20 @@ private:
     return std::abs(volume) * focal / (depths * static_cast<float>(samples * samples));
   }
 
-  Vector3f surface(const Facet &facet, float x, float y) const {
-    const Vector3f ray = rays_.at(x, y);
-    Vector4f b = ray[0] * facet.shares[0] + ray[1] * facet.shares[1] + ray[2] * facet.shares[2];
-    b = (b.sum() < 0 ? -b : b).cwiseMax(0);
-    b = b.sum() > 1e-18f ? Vector4f(b / b.sum()) : Vector4f(1.0f / 3, 1.0f / 3, 1.0f / 3, 0);
-    Vector4f n = mix(facet.normals, b);
+  Vector4f surface(const Facet &facet, float x, float y) const {
+    Vector4f b = mix(facet.shares, rays_.at(x, y)).cwiseMax(0);
+    b = b.sum() > 1e-18f ? b : Vector4f(1, 1, 1, 0);
+    const Vector4f n = mix(facet.normals, b);
     const float squared = n.squaredNorm();
-    n = squared > 0 ? Vector4f(n * ((facet.inside ? -1 : 1) / std::sqrt(squared))) : Vector4f(Vector4f::UnitY());
+    // Of no normal at all: up.
+    const Vector4f unit = squared > 0 ? Vector4f(n * (1 / std::sqrt(squared))) : Vector4f(Vector4f::UnitY());
     const auto light = static_cast<float>(options_.light);
-    const float sky = 0.65f + 0.35f * n.y(), key = std::max(0.0f, n.dot(light_));
+    const float sky = 0.65f + 0.35f * unit.y(), key = std::max(0.0f, unit.dot(light_));
     const float shade = (1 - light) * sky * 1.6f + light * (0.35f + 0.85f * key);
-    return (facet.inside ? 0.6f * shade : shade) * colour_at(facet, b);
+    return (facet.inside ? 0.6f * shade : shade) * colour_at(facet, mix(facet.colours, b) * (1 / b.sum()));
   }
-  static Vector3f colour_at(const Facet &facet, const Vector4f &b) {
-    const Vector4f at = mix(facet.colours, b);
-    return facet.texture ? facet.texture->sample(facet.level, at[0], at[1]) : Vector3f(at.head<3>());
+  static Vector4f colour_at(const Facet &facet, const Vector4f &at) {
+    return facet.texture ? facet.texture->sample(facet.level, at[0], at[1]) : at;
   }
 
   const Scene &scene_;
@@ -276,10 +300,9 @@ private:
   PictureRays rays_;
   Vector3d eye_;
   const RenderOptions &options_;
-  Vector3f sky_;
-  Vector4f light_;
+  Vector4f sky_, light_;
   FaceWindow seen_;
-  Vertices normals_;          ///< of the vertices, of any length
+  std::vector<Vertex> vertices_;
   std::vector<Facet> facets_; ///< those that are seen ...
   std::vector<int> facet_of_; ///< ... and which of them each face has; -1 = none yet
 };
