@@ -2,6 +2,7 @@
 // The step of Stoll et al. 2010, Sect. 6, for as many simulations as T has lanes. One lane (T = float) is the reference; every
 // lane of every width gives its bits.
 
+#include "doublet/pbd/detail/longest_stretch.h"
 #include "edge_points.h"
 #include "pinches.h"
 #include "self_collision.h"
@@ -13,9 +14,9 @@ constexpr float kMaxSpeed =
     100; ///< m/s, safety clamp: four times what a person's hand can do, three times a falling skydiver's speed
 constexpr float kDepenetrationSpeed = 1; ///< m/s at which a penetration that the start brought along is opened
 constexpr float kViolated = 0.1f;        ///< of its length, by which the sweeps may leave a stretch too long, where edges collide
-constexpr float kLongest = 1.8f;         ///< times its length at rest that cloth may be, where edges collide
-constexpr int kLimitSweeps = 20;         ///< at most for either, in a substep
-constexpr float kPulledOff = 5e-4f;      ///< m beyond the thickness at which a contact no longer rubs
+constexpr auto kLongest = static_cast<float>(detail::kLongestStretch);
+constexpr int kLimitSweeps = 20;    ///< at most for either, in a substep
+constexpr float kPulledOff = 5e-4f; ///< m beyond the thickness at which a contact no longer rubs
 
 template <class T> class LaneSolver final : public LaneGroup {
 public:

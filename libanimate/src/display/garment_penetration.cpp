@@ -2,6 +2,7 @@
 
 #include "arms.h"
 #include "doublet/core/error.h"
+#include "doublet/pbd/detail/longest_stretch.h"
 #include "garment_part.h"
 
 #include <Eigen/Geometry>
@@ -17,7 +18,6 @@ constexpr double kLiftAbove = 0.004;                    // m: triangles are flat
 constexpr double kLiftReach = 0.04, kLiftSurely = 0.02; // m: how deep it may lie; up to where it is lifted all the way
 constexpr double kLiftTouches = 1e-4;                   // m, so near the way out is the body's normal
 constexpr double kLiftSlope = 0.7;                      // m less for each along the garment, as it lies and as it is at rest
-constexpr double kLiftStretch = 1.8;                    // times its length at rest, up to which an edge is drawn out
 constexpr int kLiftRings = 3;                           // times over all edges
 
 /// The body's faces that the cloth collides with: of bones with a capsule, and not of arms.
@@ -111,7 +111,7 @@ void GarmentPenetrationFix::bring_neighbours_together(const Vertices &surface) {
       const Vector3d along = surface.row(b.vertex) - surface.row(a.vertex);
       const double length = along.norm(), longer = apart.dot(along) / length,
                    share = std::min(slope(edge, surface) / apart.norm(),
-                                    longer > 0 ? std::max(0.0, kLiftStretch * edge.rest - length) / longer : 1.0);
+                                    longer > 0 ? std::max(0.0, pbd::detail::kLongestStretch * edge.rest - length) / longer : 1.0);
       if (!(share < 1))
         continue;
       const Vector3d less = (1 - share) * apart;
