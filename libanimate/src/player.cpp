@@ -111,7 +111,7 @@ struct Player::Playing {
         std::any_of(character.body_shown.begin(), character.body_shown.end(), [](auto f) { return f != 0; }))
       tuck_body.emplace(character);
     if (shared.display && character.garment_subdivisions >= 0)
-      tuck_skin.emplace(character);
+      tuck_skin.emplace(character, *shared.display);
   }
 
   /// Steps of the character's own length; gravity and wind are the player's, length and substeps those of the step at hand.

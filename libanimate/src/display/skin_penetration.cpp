@@ -81,11 +81,11 @@ std::vector<Cover> cover_of_skin(const Character &c, const detail::GarmentPart &
 
 } // namespace
 
-SkinPenetrationFix::SkinPenetrationFix(const Character &c) : faces_(detail::garment_part(c).fine.faces) {
+SkinPenetrationFix::SkinPenetrationFix(const Character &c, const DisplaySurface &display) {
   const detail::GarmentPart part = detail::garment_part(c);
+  faces_ = part.fine.faces;
   const std::vector<int> arms = detail::arms_of_joints(c.actor.skeleton);
-  const MatrixRM of_skin = limb_shares(DisplaySurface(c).skin_weights(c.actor.weights), arms),
-                 of_body = limb_shares(c.body_weights, arms);
+  const MatrixRM of_skin = limb_shares(display.skin_weights(c.actor.weights), arms), of_body = limb_shares(c.body_weights, arms);
   const std::vector<Cover> cover = cover_of_skin(c, part);
   for (std::size_t v = 0; v < cover.size(); ++v)
     skin_.vertices.push_back({static_cast<int>(v), cover[v], largest(of_skin, static_cast<Eigen::Index>(v))});

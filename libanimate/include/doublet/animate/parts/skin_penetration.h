@@ -22,7 +22,9 @@ public:
   /// How skin lies to a garment in the scan pose: covered by it, near its free boundary, or neither.
   enum class Cover : std::uint8_t { Worn, BeyondHem, Bare };
   /// The character must have M_high with a garment, else Error.
-  explicit SkinPenetrationFix(const Character &character);
+  explicit SkinPenetrationFix(const Character &character) : SkinPenetrationFix(character, DisplaySurface(character)) {}
+  /// The same with the character's display surface, for callers that have made it.
+  SkinPenetrationFix(const Character &character, const DisplaySurface &display);
   /// `drawn` and `high` as filled by DisplaySurface::apply(), `body` (B, 3) or empty; allocates nothing after the first call.
   void apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body);
 
