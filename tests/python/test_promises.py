@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from doublet import _doublet, reconstruct, testing
 from doublet._lazy import DEPRECATED_MODULES
+from doublet.cli.commands import COMMANDS
 from doublet.cli.program import build_parser
 from doublet.common.console import Console
 from doublet.export.usd import write_usdc
@@ -370,3 +371,17 @@ def test_a_folder_that_cannot_be_made_is_named(world, tmp_path):
 
 def in_python(job):
     job.path("own.txt").write_text("own")
+
+
+def test_a_command_loads_none_of_the_others():
+    code = "import sys; from doublet.cli.program import build_parser; build_parser('animate'); print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert [name for name in loaded if name.startswith("doublet.cli.commands.")] == ["doublet.cli.commands.animate"]
+    assert "tqdm" not in loaded
+
+
+@pytest.mark.parametrize("module", COMMANDS)
+def test_the_commands_of_a_module_are_known_without_loading_it(module):
+    for name in COMMANDS[module]:
+        found = next(action for action in build_parser(name)._actions if action.dest == "command")
+        assert tuple(found.choices) == COMMANDS[module]

@@ -8,17 +8,17 @@ import sys
 from contextlib import suppress
 
 from .._doublet import __version__
-from .commands import COMMANDS
+from .commands import register
 from .parsing import CommandParser
 from .signals import stopped_by_signals
 
 
-def build_parser() -> argparse.ArgumentParser:
+def build_parser(command: str = "") -> argparse.ArgumentParser:
+    """Of all commands; if `command` is one, it may lack others."""
     parser = argparse.ArgumentParser(prog="doublet", description="Animatable doubles of people in loose clothing, from video.")
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=CommandParser)
-    for command in COMMANDS:
-        command.register(commands)
+    register(commands, command)
     return parser
 
 
@@ -39,7 +39,8 @@ def no_memory(parsed, error: Exception) -> str:
 
 
 def main(arguments=None) -> int:
-    parsed = build_parser().parse_args(arguments)
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    parsed = build_parser(arguments[0] if arguments else "").parse_args(arguments)
     try:
         with stopped_by_signals():
             return parsed.run(parsed) or 0

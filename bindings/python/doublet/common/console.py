@@ -5,8 +5,6 @@ from __future__ import annotations
 import sys
 import time
 
-from tqdm import tqdm
-
 from .. import _doublet
 
 
@@ -68,5 +66,7 @@ class Console:
     def _start(self, name: str) -> None:
         self._name, self.note, self._quarter, self._started = name, "", 0, time.monotonic()
         if self.bars:
+            from tqdm import tqdm  # half as long to load as NumPy, and not needed without a terminal
+
             layout = "{desc:<28}{percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
             self._bar = tqdm(total=100.0, desc=name, file=self.stream, bar_format=layout, leave=False)

@@ -9,7 +9,6 @@ from ... import _doublet as d
 from ...export import bone_map
 from ...export.animate import Output, animate
 from ...export.bone_names import SCHEMES
-from ...export.character_edit import colour_of
 from ...export.clips import read_clip
 from ...export.video_camera import CAMERAS, Shot
 from ..common_flags import MOTION_HELP, clip_flags, common_flags, make_console
@@ -91,6 +90,8 @@ def shot_of(arguments) -> Shot | None:
             raise ValueError("--turn-seconds: only --camera orbit goes round")
         chosen["turn_seconds"] = arguments.turn_seconds
     if arguments.background:
+        from ...export.character_edit import colour_of  # which loads Pillow
+
         chosen["background"] = tuple(channel / 255 for channel in colour_of(arguments.background, "--background"))
     if not chosen:
         return None
