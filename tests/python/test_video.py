@@ -37,6 +37,14 @@ def test_a_broadcast_rate_is_kept_as_editors_know_it(tmp_path, fps, stated):
     assert probe(tmp_path / "a.mp4", "V:0", "stream=r_frame_rate")["streams"] == [{"r_frame_rate": stated}]
 
 
+def test_more_options_reach_the_encoder(tmp_path):
+    for coding, ahead in (((), 2), (("-bf", "1"), 1)):
+        with VideoWriter(tmp_path / "a.mp4", 64, 48, 25, coding=coding) as video:
+            for k in range(20):
+                video.write(np.full((48, 64, 3), 10 * k, np.uint8))
+        assert probe(tmp_path / "a.mp4", "V:0", "stream=has_b_frames")["streams"] == [{"has_b_frames": ahead}]
+
+
 def test_colours_are_those_of_the_picture_and_players_are_told(character, tmp_path):
     shot = Shot(64, 64, background=(0.9, 0.1, 0.1))
     write_video(character, walk(character, 0.0), tmp_path / "red.mp4", d.Context(), shot)

@@ -260,11 +260,22 @@ def first_line(said: bytes) -> str:
 
 class VideoWriter:
     """`with VideoWriter(path, width, height, fps) as video: video.write(bgr)`; the file is complete or absent. `matrix`: how
-    colours are coded, which the file then says, such as bt709; empty = BT.601, unsaid, as computer vision reads them."""
+    colours are coded, which the file then says, such as bt709; empty = BT.601, unsaid, as computer vision reads them. `coding`:
+    more of ffmpeg's options for it."""
 
-    def __init__(self, path: Path, width: int, height: int, fps: float, crf: int = 20, preset: str = "medium", matrix: str = ""):
+    def __init__(
+        self,
+        path: Path,
+        width: int,
+        height: int,
+        fps: float,
+        crf: int = 20,
+        preset: str = "medium",
+        matrix: str = "",
+        coding: tuple[str, ...] = (),
+    ):
         self.path, self.shape, self.fps, self.crf, self.preset = Path(path), (height, width, 3), fps, crf, preset
-        self.matrix = matrix
+        self.matrix, self.coding = matrix, coding
 
     def __enter__(self) -> VideoWriter:
         if not shutil.which(ffmpeg()):
@@ -285,6 +296,7 @@ class VideoWriter:
             str(self.crf),
             "-preset",
             self.preset,
+            *self.coding,
             "-movflags",
             "+faststart",
         ]
