@@ -2,7 +2,7 @@
 // The step of Stoll et al. 2010, Sect. 6, for as many simulations as T has lanes. One lane (T = float) is the reference; every
 // lane of every width gives its bits.
 
-#include "doublet/pbd/detail/longest_stretch.h"
+#include "doublet/pbd/parts/longest_stretch.h"
 #include "edge_points.h"
 #include "pinches.h"
 #include "self_collision.h"
@@ -14,7 +14,7 @@ constexpr float kMaxSpeed =
     100; ///< m/s, safety clamp: four times what a person's hand can do, three times a falling skydiver's speed
 constexpr float kDepenetrationSpeed = 1; ///< m/s at which a penetration that the start brought along is opened
 constexpr float kViolated = 0.1f;        ///< of its length, by which the sweeps may leave a stretch too long, where edges collide
-constexpr auto kLongest = static_cast<float>(detail::kLongestStretch);
+constexpr auto kLongest = static_cast<float>(kLongestStretch);
 constexpr int kLimitSweeps = 20;    ///< at most for either, in a substep
 constexpr float kPulledOff = 5e-4f; ///< m beyond the thickness at which a contact no longer rubs
 

@@ -2,7 +2,7 @@
 
 #include "arms.h"
 #include "doublet/core/error.h"
-#include "doublet/pbd/detail/longest_stretch.h"
+#include "doublet/pbd/parts/longest_stretch.h"
 #include "garment_part.h"
 
 #include <Eigen/Geometry>
@@ -111,7 +111,7 @@ void GarmentPenetrationFix::bring_neighbours_together(const Vertices &surface) {
       const Vector3d along = surface.row(b.vertex) - surface.row(a.vertex);
       const double length = along.norm(), longer = apart.dot(along) / length,
                    share = std::min(slope(edge, surface) / apart.norm(),
-                                    longer > 0 ? std::max(0.0, pbd::detail::kLongestStretch * edge.rest - length) / longer : 1.0);
+                                    longer > 0 ? std::max(0.0, pbd::kLongestStretch * edge.rest - length) / longer : 1.0);
       if (!(share < 1))
         continue;
       const Vector3d less = (1 - share) * apart;
