@@ -5,8 +5,11 @@
 #include "doublet/core/parts/number_text.h"
 #include "doublet/files/files.h"
 
+#include <algorithm>
 #include <map>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 namespace doublet::detail {
 namespace {

@@ -1,6 +1,7 @@
 // Which extractor a camera of a session gets, and what it shows.
 
 #include "doublet/capture/silhouette_extractor.h"
+#include "doublet/core/context.h"
 #include "doublet/core/error.h"
 #include "frames/frame_reader.h"
 #include "frames/lens_map.h"
