@@ -386,6 +386,7 @@ def test_what_refining_does_not_look_at_is_refused(shipped, capsys, flag, value)
         ('[{"image_id": "0.jpg", "keypoints": [1, 2, 1]}]', "expected 17, 18, 25"),
         ('[{"image_name": "0.jpg", "keypoints": [1, 2, 1]}]', "found an entry of image_name, keypoints"),
         ("[[[1, 2, 1], [3, 4, 1]]]", "136, 308 keypoints of x, y and confidence, found (2, 3)"),
+        ("[1.0]", "136, 308 keypoints of x, y and confidence, found (1,)"),
         ('[[["x", 2, 1]]]', "expected 17, 18, 25"),
         ("[null]", "frame 0: expected at least 6 joints that two cameras agree on, found 0"),
     ],

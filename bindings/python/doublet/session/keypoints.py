@@ -340,7 +340,7 @@ def joints_of(people: list, path: Path, layout: tuple[int, ...] | None = None) -
         if isinstance(person, dict):
             raise ValueError(f"{path}: expected keypoints ({FORMATS}), found an entry of {', '.join(list(person)[:5])}")
         try:
-            points = np.array(person, float)
+            points = np.atleast_1d(np.array(person, float))
         except (TypeError, ValueError):
             points = np.zeros(0)
         chosen = layout or LAYOUTS.get(len(points), (len(points),))
