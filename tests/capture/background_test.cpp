@@ -219,7 +219,10 @@ TEST_F(ThreeCameras, OnAnyNumberOfThreadsLearnTheSame) {
   const auto masks = [&](int threads) {
     const auto frames = FrameSource::open(session);
     context.threads = threads;
+    double last = -1;
+    context.progress = [&](const std::string &, double fraction) { EXPECT_GT(fraction, std::exchange(last, fraction)); };
     const auto extractor = session_silhouettes(session, *frames, {}, context);
+    EXPECT_EQ(last, 1);
     std::vector<std::vector<std::uint8_t>> found;
     for (int c = 0; c < 3; ++c)
       found.push_back(extractor->extract(c, frames->image(c, 2)).data);

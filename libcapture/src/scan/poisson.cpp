@@ -2,7 +2,8 @@
 
 #include "doublet/core/error.h"
 
-#include <PreProcessor.h> // first: the others ask what it defines
+#define MK_WARN(...) ((void)0) // which the library would print to stderr, with paths of its sources
+#include <PreProcessor.h>      // first: the others ask what it defines
 
 #include <Reconstructors.h>
 

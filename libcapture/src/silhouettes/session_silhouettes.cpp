@@ -175,6 +175,7 @@ std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session,
         trained[first + i] = trainer.train(first + i);
     });
   }
+  context.report_progress("silhouettes", 1);
   auto all = std::make_unique<SessionSilhouettes>();
   std::map<std::string, std::string> cameras; // by method
   bool needed = false;                        // with images beside ready masks, too: one of them may be missing

@@ -102,7 +102,7 @@ def hulls(frames: d.FrameSource, extractor: d.SilhouetteExtractor | None, consol
             mask = d.read_view(frames, camera, frame, extractor).mask
             if mask.size:
                 found[camera][frame] = d.silhouette_hull(mask)
-        console.progress("silhouettes", (index + 1) / len(chosen))
+        console.progress("outlines", (index + 1) / len(chosen))
     console.finish()
     return found
 
