@@ -58,7 +58,7 @@ public:
     if constexpr (std::is_arithmetic_v<T>) {
       raw(&value, sizeof value);
     } else if constexpr (Struct<const T>) {
-      std::apply([this](const auto &...member) { (put(member), ...); }, members(value));
+      std::apply([this](const auto &...member) { (this->put(member), ...); }, members(value));
     } else if constexpr (EigenMatrix<T>) {
       put(static_cast<std::uint64_t>(value.rows()));
       raw(value.data(), sizeof(*value.data()) * static_cast<std::size_t>(value.size()));
@@ -85,7 +85,7 @@ public:
     } else if constexpr (std::is_arithmetic_v<T>) {
       value = number<T>();
     } else if constexpr (Struct<T>) {
-      std::apply([this](auto &...member) { (get(member), ...); }, members(value));
+      std::apply([this](auto &...member) { (this->get(member), ...); }, members(value));
     } else if constexpr (EigenMatrix<T>) {
       static_assert(T::ColsAtCompileTime != Eigen::Dynamic, "rows are written, columns are not");
       constexpr std::size_t row = sizeof(typename T::Scalar) * T::ColsAtCompileTime;
