@@ -184,7 +184,7 @@ void carry_all(const Lens &lens, int count, const float *x, const float *y, cons
       const Seen<distorted> seen(lens, px[l], py[l], pz[l]);
       const float dx = seen.x - x[i], dy = seen.y - y[i];
       const float distance = dx * dx + dy * dy;
-      const float kept = (seen.depth > kNear) & (distance < largest[i]) ? distance : largest[i];
+      const float kept = ((seen.depth > kNear) & (distance < largest[i])) ? distance : largest[i];
       squared[i * L + l] = face[i * L + l] < 0 ? -1.f : kept;
     }
   }

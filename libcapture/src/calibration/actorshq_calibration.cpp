@@ -63,9 +63,10 @@ CalibratedCamera camera_in(const Row &row) {
   Camera &camera = result.camera;
   camera.name = row.text("name");
   set_size(result, chosen_size(size_from({row.number("w"), row.number("h")}), {}, row.where()));
+  const double fx = camera.width * row.number("fx"), fy = camera.height * row.number("fy");
   // Pixels have their corner, not their centre, at integers.
-  camera.K << camera.width * row.number("fx"), 0, camera.width * row.number("px") - 0.5, 0, camera.height * row.number("fy"),
-      camera.height * row.number("py") - 0.5, 0, 0, 1;
+  const double cx = camera.width * row.number("px") - 0.5, cy = camera.height * row.number("py") - 0.5;
+  camera.K << fx, 0, cx, 0, fy, cy, 0, 0, 1;
   camera.R = rotation_from({row.number("rx"), row.number("ry"), row.number("rz")}).transpose(); // the file's is to the world
   camera.t = -camera.R * Eigen::Vector3d(row.number("tx"), row.number("ty"), row.number("tz"));
   set_distortion(result, {row.number_or_none("k1"), row.number_or_none("k2"), 0, 0, row.number_or_none("k3")}, false,

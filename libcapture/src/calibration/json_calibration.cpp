@@ -94,9 +94,11 @@ Eigen::Matrix3d frame_matrix(const json &frame, const json &file, ImageSize size
                fy = focal_length("fl_y", "camera_angle_y", size.height, fx);
   if (!(fx > 0))
     throw Error(where + ": expected \"fl_x\" or \"camera_angle_x\", found neither");
+  // Pixels have their corner, not their centre, at integers.
+  const double cx = number_in(frame, file, "cx", size.width / 2.0) - 0.5,
+               cy = number_in(frame, file, "cy", size.height / 2.0) - 0.5;
   Eigen::Matrix3d K;
-  K << fx, 0, number_in(frame, file, "cx", size.width / 2.0) - 0.5, // pixels have their corner, not their centre, at integers
-      0, fy, number_in(frame, file, "cy", size.height / 2.0) - 0.5, 0, 0, 1;
+  K << fx, 0, cx, 0, fy, cy, 0, 0, 1;
   return K;
 }
 

@@ -53,7 +53,8 @@ CalibratedCamera read_sensor(const pugi::xml_node &sensor, const std::string &wh
     throw Error(where + ": expected a <resolution> and a focal length <f>, found none");
   // The principal point is that from the image's centre; pixels have their corner, not their centre, at integers.
   const double cx = 0.5 * result.camera.width + get("cx") - 0.5, cy = 0.5 * result.camera.height + get("cy") - 0.5;
-  result.camera.K << f + get("b1"), get("b2"), cx, 0, f, cy, 0, 0, 1;
+  const double affinity = get("b1"), skew = get("b2"); // before the matrix: Eigen asserts that one that is begun is filled
+  result.camera.K << f + affinity, skew, cx, 0, f, cy, 0, 0, 1;
   const bool fisheye = type == "fisheye";
   if (get("p3") != 0 || get("p4") != 0 || (fisheye ? get("p1") != 0 || get("p2") != 0 : get("k4") != 0))
     throw Error(where + ": expected a lens of " + (fisheye ? "k1 to k4" : "k1, k2, k3, p1 and p2") +
