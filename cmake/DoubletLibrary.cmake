@@ -39,7 +39,9 @@ endfunction()
 
 function(doublet_warnings target)
   # -ffp-contract=off: the same bits whether or not the compiler has fused multiply-add.
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -ffp-contract=off $<$<BOOL:${DOUBLET_WERROR}>:-Werror>)
+  # Bitwise instead of logical: a mask of lanes is a bool where there is one lane.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -ffp-contract=off $<$<BOOL:${DOUBLET_WERROR}>:-Werror>
+    $<$<CXX_COMPILER_ID:Clang,AppleClang>:-Wno-bitwise-instead-of-logical>)
 endfunction()
 
 # doublet_tests(NAME): tests/NAME/*.cpp become the executable test_NAME; every suite of it is one ctest test.

@@ -97,7 +97,7 @@ for part in "$@"; do
 done
 
 mkdir -p "$logs" && touch "$results"
-scripts/apt-install.sh scripts/apt-packages.txt scripts/apt-packages-tests.txt scripts/apt-packages-pages.txt || exit 1
+scripts/apt-install.sh scripts/apt-packages{,-tests,-pages,-clang}.txt || exit 1
 now=$(of_now) || exit 1
 for part in ${@:-$parts}; do
   [[ $# -eq 0 && $(result_of "$part") == passed* ]] && continue

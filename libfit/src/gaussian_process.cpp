@@ -155,7 +155,7 @@ double GaussianProcess::mean(const Eigen::VectorXd &at, Eigen::VectorXd &gradien
 }
 
 Eigen::VectorXd GaussianProcess::minimum(const Eigen::VectorXd &start, int fixed) const {
-  constexpr int kSteps = 40;
+  constexpr int kMinimumSteps = 40;
   const Eigen::Index free = points_.cols() - fixed;
   Eigen::VectorXd at = start, slope;
   const auto value = [&](const Eigen::VectorXd &x, Eigen::VectorXd &gradient) {
@@ -164,8 +164,8 @@ Eigen::VectorXd GaussianProcess::minimum(const Eigen::VectorXd &start, int fixed
     gradient = slope.head(free);
     return result;
   };
-  at.head(free) =
-      Eigen::VectorXd(minimised(value, start.head(free), Eigen::VectorXd::Zero(free), Eigen::VectorXd::Ones(free), kSteps));
+  at.head(free) = Eigen::VectorXd(
+      minimised(value, start.head(free), Eigen::VectorXd::Zero(free), Eigen::VectorXd::Ones(free), kMinimumSteps));
   return at;
 }
 

@@ -97,6 +97,7 @@ public:
   PoseEstimate optimize(const PoseProblem &, const Context &) override {
     return {Eigen::VectorXd::Constant(2, ++calls_), -1, 0, 0, 1};
   }
+  using SilhouetteExtractor::refine;
   SurfaceEstimate refine(const SurfaceProblem &, const Context &) override { return {Vertices::Constant(1, 3, ++calls_), -1, 0}; }
   Eigen::VectorXd search(const LimbProblem &, const Eigen::VectorXd &dofs, const std::vector<Limb> &, const Context &) override {
     return Eigen::VectorXd::Constant(dofs.size(), 100.0 + ++calls_);
@@ -149,6 +150,7 @@ public:
   Features detect(const Image &, const Image &) const override { return {{{120, 120}, {121, 120}}, MatrixRM::Zero(2, 1)}; }
   std::vector<std::pair<int, int>> match(const Features &, const Features &, double) const override { return {{0, 1}, {1, 0}}; }
   PoseEstimate optimize(const PoseProblem &problem, const Context &) override { return {problem.start, 0, 0, 0, 1}; }
+  using SilhouetteExtractor::refine;
   SurfaceEstimate refine(const SurfaceProblem &problem, const Context &) override { return {problem.base, 0, 0}; }
   Eigen::VectorXd search(const LimbProblem &, const Eigen::VectorXd &dofs, const std::vector<Limb> &, const Context &) override {
     return dofs;

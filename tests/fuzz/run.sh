@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.."
 seconds=${1:?expected the seconds that each harness runs}
 shift
 
-scripts/apt-install.sh scripts/apt-packages.txt scripts/apt-packages-fuzz.txt
+scripts/apt-install.sh scripts/apt-packages.txt scripts/apt-packages-clang.txt
 if [ $# -eq 0 ]; then
   for corpus in tests/fuzz/corpus/*/; do set -- "$@" "$(basename "$corpus")"; done
 fi
