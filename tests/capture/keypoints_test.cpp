@@ -58,8 +58,10 @@ public:
     for (size_t c = 0; c < scene.rig.size(); ++c)
       for (int t = 0; t < truth.rows(); ++t) {
         keypoints_.push_back(seen_by(scene.rig[c], scene.actor.skeleton, truth.row(t), kBeside));
-        for (Keypoint &keypoint : keypoints_.back())
-          keypoint.pixel += Eigen::Vector2d(error(random), error(random));
+        for (Keypoint &keypoint : keypoints_.back()) {
+          const double y = error(random), x = error(random); // in this order with every compiler
+          keypoint.pixel += Eigen::Vector2d(x, y);
+        }
       }
   }
   std::vector<Keypoint> keypoints(int camera, int frame) override {
@@ -240,13 +242,13 @@ TEST(Keypoints, TellWhatSilhouettesDoNot) {
     return (result.performance.joints[t].row(wrist) - scene.joints(truth.row(t)).row(wrist)).norm();
   };
   const CaptureResult with = capture();
-  for (int t = 0; t < frames; ++t) {
-    EXPECT_LT(off(with, t), 0.2) << "frame " << t; // of which 6 cm are tolerated
-    EXPECT_LT(with.summary.keypoint_distance[t], 0.07) << "frame " << t;
+  for (int t = 0; t < frames; ++t) { // at worst 15 to 30 cm, 6 of them tolerated, and 5 to 12 cm in 16 draws of the noise
+    EXPECT_LT(off(with, t), 0.35) << "frame " << t;
+    EXPECT_LT(with.summary.keypoint_distance[t], 0.13) << "frame " << t;
   }
   film.shown = false;
   const CaptureResult without = capture();
-  EXPECT_GT(off(without, frames - 1), 0.25); // else this test shows nothing
+  EXPECT_GT(off(without, frames - 1), 0.5); // else this test shows nothing
   EXPECT_TRUE(std::isnan(without.summary.keypoint_distance[0]));
 }
 
